@@ -1,0 +1,60 @@
+"""A CAN segment: twins on one bus and one clock, and whoever listens to their frames."""
+
+from collections import deque
+from collections.abc import Callable
+
+from simulators.clock import Clock
+from simulators.device import Device
+from simulators.errors import UserError
+from simulators.node import Node
+from simulators.wire import Frame, Outbox, Wire
+
+Listener = Callable[[Frame, Wire | None], None]
+
+
+class Segment:
+    """What one node sends, all others and every listener get, in the order in which it was sent."""
+
+    def __init__(self) -> None:
+        self.clock = Clock()
+        self.nodes: list[Node] = []
+        self.listeners: list[Listener] = []
+        self._outbox: Outbox = deque()
+        self._foreign = Wire(self.clock, self._outbox)
+
+    def node(self, device: Device) -> Node:
+        """Connect a device, with its power off.
+
+        Raises:
+            UserError: another node has this node id.
+        """
+        for other in self.nodes:
+            if other.device.node_id == device.node_id:
+                raise UserError(f"two nodes with node id {device.node_id} on one bus")
+        node = Node(device, self.clock, self._outbox)
+        self.nodes.append(node)
+        return node
+
+    def send(self, frame: Frame) -> None:
+        """Put a frame on the bus that comes from none of the nodes; the answers are out after."""
+        self._foreign.put(frame)
+        self.deliver()
+
+    def deliver(self) -> None:
+        """Bring every frame that is waiting to whoever hears it."""
+        outbox = self._outbox
+        while outbox:
+            sender, frame = outbox.popleft()
+            for listener in self.listeners:
+                listener(frame, None if sender is self._foreign else sender)
+            for node in self.nodes:
+                if node.wire is not sender:
+                    node.receive(frame)
+
+    def advance(self, seconds: float) -> None:
+        """Let time pass; frames are delivered at the moment they are sent."""
+        self.advance_to(self.clock.now + seconds)
+
+    def advance_to(self, time: float) -> None:
+        """Let time pass up to a moment."""
+        self.clock.advance_to(time, self.deliver)
