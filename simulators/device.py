@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 
 from canopen import ObjectDictionary
 
+from simulators.errors import UserError
 from simulators.faults import Fault
 from simulators.memory import Memory
 from simulators.objects import Address, Object, Rejected
@@ -18,6 +19,8 @@ from simulators.services.rpdo import Rpdo
 from simulators.services.tpdo import Tpdo
 from simulators.settings import changed, setting
 from simulators.slave import Slave, dictionary
+
+NODE_IDS = range(1, 128)
 
 
 @dataclass(frozen=True)
@@ -45,8 +48,9 @@ class Device:
 
     def __init__(self, **given: object) -> None:
         """Raises `UserError` for settings that are unknown or of the wrong kind."""
-        self.settings: Any = changed(self.Settings(), given)
+        self.settings: Any = self.Settings()
         self.memory = Memory()
+        self.configure(**given)
 
     @property
     def node_id(self) -> int:
@@ -110,6 +114,9 @@ class Device:
     def power_on(self) -> None:
         """Supply comes: everything volatile starts afresh."""
 
+    def power_off(self) -> None:
+        """Supply goes."""
+
     def reset_node(self) -> None:
         """NMT 81h: the application starts afresh."""
 
@@ -138,9 +145,11 @@ class Device:
         """Change settings while the device is off.
 
         Raises:
-            UserError: unknown, or of the wrong kind.
+            UserError: unknown, of the wrong kind, or a node id outside 1..127.
         """
         self.settings = changed(self.settings, given)
+        if self.node_id not in NODE_IDS:
+            raise UserError(f"node id {self.node_id} is not in 1..127")
 
     def apply(self) -> None:
         """Take over settings that have changed while the device runs."""

@@ -10,7 +10,6 @@ from math import inf, isfinite
 
 from simulators.clock import MICROSECONDS, Clock, Timer, microseconds
 from simulators.device import Device
-from simulators.errors import UserError
 from simulators.faults import Faults
 from simulators.services import Handler, Heard, Service, State
 from simulators.services.emcy import EmcyLog, EmcyProducer
@@ -22,7 +21,6 @@ from simulators.services.sync import Sync
 from simulators.slave import Slave
 from simulators.wire import Frame, Outbox, Wire
 
-NODE_IDS = range(1, 128)
 COMMUNICATION_AREA = range(0x1000, 0x2000)
 EVERYTHING = range(0x1000, 0x10000)
 
@@ -30,10 +28,12 @@ EVERYTHING = range(0x1000, 0x10000)
 class Node:
     """A device with power on or off; it needs a clock and somebody who empties the outbox."""
 
-    def __init__(self, device: Device, clock: Clock, outbox: Outbox | None = None) -> None:
+    def __init__(
+        self, device: Device, clock: Clock, outbox: Outbox | None = None, name: str = "node"
+    ) -> None:
         self.device = device
         self.clock = clock
-        self.wire = Wire(clock, outbox)
+        self.wire = Wire(clock, outbox, name)
         self.faults = Faults(device.faults)
         self.powered = False
         self.slave: Slave | None = None
@@ -58,18 +58,12 @@ class Node:
     @property
     def node_id(self) -> int:
         """The node id in force, or the one to boot with."""
-        return self.device.node_id if self.slave is None else int(self.slave.id)
+        return self.device.node_id if self.slave is None else self.slave.node_id
 
     def power_on(self) -> None:
-        """Switch the supply on; without effect if it is.
-
-        Raises:
-            UserError: the device has a node id outside 1..127.
-        """
+        """Switch the supply on; without effect if it is."""
         if self.powered:
             return
-        if self.device.node_id not in NODE_IDS:
-            raise UserError(f"node id {self.device.node_id} is not in 1..127")
         self.powered = True
         self._stepped = self.clock.ticks
         self.device.power_on()
@@ -81,6 +75,8 @@ class Node:
         """Switch the supply off: what is not in the memory is lost."""
         if self.slave is not None:
             self._fall_silent()
+        if self.powered:
+            self.device.power_off()
         self.powered = False
         self._afresh = True
         self._disarm()
@@ -97,7 +93,7 @@ class Node:
 
     @contextmanager
     def acting(self) -> Iterator[Device]:
-        """Do something to the device at this moment: time has passed before, news goes out after."""
+        """Act on the device at this moment: time has passed before, news goes out after."""
         if self.powered:
             self._catch_up()
         yield self.device

@@ -15,7 +15,7 @@ def exact_period(milliseconds: int) -> float:
 
 @dataclass(frozen=True)
 class Profile:
-    """The defaults are what CiA 301 recommends; a device names only what its manual says otherwise."""
+    """The defaults are what CiA 301 recommends; a device names what its manual says otherwise."""
 
     segmented: bool = True
     """Whether the SDO server offers segmented transfer."""
@@ -37,6 +37,8 @@ class Profile:
     """Data lengths with which an NMT command is obeyed."""
     heartbeat_period: Callable[[int], float] = exact_period
     """Seconds between two heartbeats for a value of 0x1017 that is not 0."""
+    first_heartbeat_at_once: bool = False
+    """Whether writing 0x1017 sends a heartbeat; the first comes a period later otherwise."""
     rpdo_types: Container[int] = frozenset({*range(241), 254, 255})
     """Transmission types that an RPDO accepts."""
     tpdo_types: Container[int] = frozenset({*range(241), 252, 253, 254, 255})

@@ -9,7 +9,8 @@ from simulators.errors import UserError
 from simulators.node import Node
 from simulators.wire import Frame, Outbox, Wire
 
-Listener = Callable[[Frame, Wire | None], None]
+Listener = Callable[[Frame, str], None]
+"""Called with a frame and the name of the node that sent it, empty for one from outside."""
 
 
 class Segment:
@@ -22,8 +23,8 @@ class Segment:
         self._outbox: Outbox = deque()
         self._foreign = Wire(self.clock, self._outbox)
 
-    def node(self, device: Device) -> Node:
-        """Connect a device, with its power off.
+    def node(self, device: Device, name: str) -> Node:
+        """Connect a device by a name of its own, with its power off.
 
         Raises:
             UserError: another node has this node id.
@@ -31,7 +32,7 @@ class Segment:
         for other in self.nodes:
             if other.device.node_id == device.node_id:
                 raise UserError(f"two nodes with node id {device.node_id} on one bus")
-        node = Node(device, self.clock, self._outbox)
+        node = Node(device, self.clock, self._outbox, name)
         self.nodes.append(node)
         return node
 
@@ -46,7 +47,7 @@ class Segment:
         while outbox:
             sender, frame = outbox.popleft()
             for listener in self.listeners:
-                listener(frame, None if sender is self._foreign else sender)
+                listener(frame, sender.name)
             for node in self.nodes:
                 if node.wire is not sender:
                     node.receive(frame)

@@ -38,11 +38,23 @@ def dictionary(eds: str, node_id: int) -> ObjectDictionary:
 class Entry:
     """One entry of the dictionary, with everything worked out that a frame asks for."""
 
-    __slots__ = ("_cell", "acts", "address", "high", "low", "pack", "readable", "size")
-    __slots__ += ("unpack", "variable", "writable")
+    __slots__ = (
+        "_cell",
+        "acts",
+        "address",
+        "high",
+        "low",
+        "pack",
+        "readable",
+        "size",
+        "unpack",
+        "variable",
+        "writable",
+    )
 
     def __init__(self, variable: ODVariable, cell: dict[int, bytes]) -> None:
-        codec = ODVariable.STRUCT_TYPES.get(variable.data_type)
+        data_type: int = variable.data_type or 0
+        codec = ODVariable.STRUCT_TYPES.get(data_type)
         self.variable = variable
         self.readable: bool = variable.readable
         self.writable: bool = variable.writable
@@ -50,7 +62,7 @@ class Entry:
         self.size: int | None = codec.size if codec else None
         self.pack: Callable[[Any], bytes] = codec.pack if codec else variable.encode_raw
         self.unpack: Callable[[bytes], Any] = _first(codec) if codec else variable.decode_raw
-        whole = variable.data_type in INTEGER_TYPES
+        whole = data_type in INTEGER_TYPES
         self.low, self.high = (variable.min, variable.max) if whole else (None, None)
         self.acts: list[Object] = []
         self._cell = cell
@@ -93,6 +105,7 @@ class Slave(LocalNode):
 
     def __init__(self, od: ObjectDictionary, node_id: int, wire: Wire, clock: Clock) -> None:
         super().__init__(node_id, od)
+        self.node_id = node_id
         self.wire = wire
         self.clock = Scope(clock)  # a reset makes a fresh slave: the timers of this one end with it
         self.profile = Profile()
@@ -152,7 +165,7 @@ class Slave(LocalNode):
         if len(data) != entry.size:
             self.check_length(entry, len(data))
         entry.write(data)
-        if 0x1000 <= entry.address[0] < 0x2000:  # noqa: SIM300 - reads as the range it is
+        if 0x1000 <= entry.address[0] < 0x2000:
             self.on_communication_change()
 
     def check_length(self, entry: Entry, length: int) -> None:

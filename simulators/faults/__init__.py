@@ -85,5 +85,7 @@ def arguments(name: str, fault: Fault, given: Mapping[str, Any]) -> dict[str, An
     values = {key: told.default for key, told in fault.parameters.items()} | dict(given)
     for parameter, value in values.items():
         if value is None:
-            raise UserError(f"fault {name!r} wants {parameter!r}: {fault.parameters[parameter].text}")
+            raise UserError(
+                f"fault {name!r} wants {parameter!r}: {fault.parameters[parameter].text}"
+            )
     return values

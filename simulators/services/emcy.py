@@ -134,7 +134,7 @@ class EmcyProducer(Service):
             self.log.unsent.append(farewell)
 
     def _send(self) -> None:
-        cob_id = self.slave.number(0x1014) if self.slave.has(0x1014) else 0x80 + self.slave.id
+        cob_id = self.slave.number(0x1014) if self.slave.has(0x1014) else 0x80 + self.slave.node_id
         unsent, self.log.unsent = self.log.unsent, []
         if cob_id & INVALID:
             return
@@ -157,4 +157,3 @@ class EmcyProducer(Service):
         if value:
             raise Rejected(f"0 erases the history, {value} does nothing")
         self.log.history.clear()
-

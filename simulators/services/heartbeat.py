@@ -28,7 +28,7 @@ class HeartbeatProducer(Service):
     @property
     def objects(self) -> Mapping[Address, Object]:
         """A new period acts at once."""
-        return {(0x1017, 0): Object(write=self._start)} if self.slave.has(0x1017) else {}
+        return {(0x1017, 0): Object(write=self._on_write)} if self.slave.has(0x1017) else {}
 
     def start(self) -> None:
         """Begin with the period the dictionary has after a reset."""
@@ -39,6 +39,11 @@ class HeartbeatProducer(Service):
         """From now on this state is shown."""
         self._state = state
 
+    def _on_write(self, milliseconds: int) -> None:
+        self._start(milliseconds)
+        if milliseconds and self.slave.profile.first_heartbeat_at_once:
+            self._beat()
+
     def _start(self, milliseconds: int) -> None:
         if self._timer is not None:
             self._timer.cancel()
@@ -48,7 +53,7 @@ class HeartbeatProducer(Service):
             self._timer = self.slave.clock.every(period, self._beat)
 
     def _beat(self) -> None:
-        self.slave.wire.put(Frame(0x700 + self.slave.id, bytes([STATE_BYTE[self._state]])))
+        self.slave.wire.put(Frame(0x700 + self.slave.node_id, bytes([STATE_BYTE[self._state]])))
 
 
 class HeartbeatConsumer(Service):

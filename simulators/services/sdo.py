@@ -35,11 +35,11 @@ class SdoServer(Service):
         self._transfer: Transfer | None = None
         self._multiplexer = NO_OBJECT
         self._time_out: Timer | None = None
-        self._answers = 0x580 + slave.id
+        self._answers = 0x580 + slave.node_id
 
     def listen(self) -> Listening:
         """Requests on the one fixed identifier."""
-        yield (0x600 + self.slave.id, False), self.on_request
+        yield (0x600 + self.slave.node_id, False), self.on_request
 
     def on_state(self, state: State) -> None:
         """A transfer does not outlive the states that know SDO."""
