@@ -41,14 +41,15 @@ class Device:
     """File of od/, or a path."""
     title: ClassVar[str]
     """Maker, name and manual, for lists."""
-    Settings: ClassVar[type[Any]] = NodeSettings
+    settings_type: ClassVar[type[Any]] = NodeSettings
+    """The dataclass of its settings."""
     profile: Profile = Profile()
     cycle: float = 0.01
     """Seconds between two steps, whole microseconds."""
 
     def __init__(self, **given: object) -> None:
         """Raises `UserError` for settings that are unknown or of the wrong kind."""
-        self.settings: Any = self.Settings()
+        self.settings: Any = self.settings_type()
         self.memory = Memory()
         self.configure(**given)
 
@@ -125,6 +126,9 @@ class Device:
 
     def on_state(self, state: State) -> None:
         """The node has entered an NMT state."""
+
+    def on_frame(self) -> None:
+        """A frame that this node listens to has come."""
 
     def on_heartbeat(self, node_id: int, alive: bool) -> None:
         """A node that 0x1016 watches has fallen silent, or is back."""

@@ -87,6 +87,7 @@ class Node:
         if handlers is None or frame.extended:
             return
         self._catch_up()
+        self.device.on_frame()
         for handle in handlers:
             handle(frame)
         self._settle()

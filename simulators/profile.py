@@ -45,6 +45,8 @@ class Profile:
     """Transmission types that a TPDO accepts."""
     tpdo_on_change: bool = True
     """Whether an event-driven TPDO (254, 255) is sent when its content has changed."""
+    no_history_code: int | None = None
+    """Abort code for an unused entry of 0x1003; it reads 0 without one."""
     strict_cob_id: bool = False
     """Whether a new COB-ID needs two writes, bit 31 first; one that also sets it is refused."""
     store_code: int = Abort.NOT_TRANSFERABLE

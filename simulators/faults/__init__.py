@@ -22,13 +22,13 @@ class Parameter:
 class Fault:
     """Something that can be injected and cleared by name.
 
-    `inject` is called with every parameter as a keyword, `clear` without any. A fault without
-    `clear` is over at once: what it leaves behind is the device's to reset.
+    `inject` is called with every parameter as a keyword, `clear` later with the same. A fault
+    without `clear` is over at once: what it leaves behind is the device's to reset.
     """
 
     text: str
     inject: Callable[..., None]
-    clear: Callable[[], None] | None = None
+    clear: Callable[..., None] | None = None
     parameters: Mapping[str, Parameter] = field(default_factory=dict)
 
 
@@ -40,13 +40,14 @@ class Faults:
         self.active: dict[str, dict[str, Any]] = {}
 
     def inject(self, name: str, **given: Any) -> None:
-        """Let something go wrong.
+        """Let something go wrong; a fault that is active already is replaced.
 
         Raises:
             UserError: no such fault, an unknown parameter, or one that is missing.
         """
         fault = self._find(name)
         values = arguments(name, fault, given)
+        self.clear(name)
         fault.inject(**values)
         if fault.clear is not None:
             self.active[name] = values
@@ -59,8 +60,9 @@ class Faults:
         """
         for each in [name] if name is not None else list(self.active):
             fault = self._find(each)
-            if self.active.pop(each, None) is not None and fault.clear is not None:
-                fault.clear()
+            values = self.active.pop(each, None)
+            if values is not None and fault.clear is not None:
+                fault.clear(**values)
 
     def renew(self) -> None:
         """Inject again what is active: a cause outlives the power cycle of the device."""

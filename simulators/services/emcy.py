@@ -149,6 +149,8 @@ class EmcyProducer(Service):
 
     def _past(self, age: int) -> int:
         if age >= len(self.log.history):
+            if (code := self.slave.profile.no_history_code) is not None:
+                raise Rejected("no such error in the history", code)
             return 0
         emcy = self.log.history[age]
         return emcy.code | int.from_bytes(emcy.field[:2], "little") << 16

@@ -1,0 +1,66 @@
+"""Emergency messages of chapter 8: the errors of the unit by number, those of the card by code."""
+
+from collections.abc import Mapping
+
+from simulators.errors import UserError
+from simulators.services.emcy import Emcy, read_emcy_table
+
+TABLE = read_emcy_table("topcon_emcy.csv")
+UNIT: Mapping[int, Emcy] = {
+    int.from_bytes(emcy.field, "little"): emcy
+    for (code, detail), emcy in TABLE.items()
+    if detail or code == 0x6100  # 6100h with field 0 is error number 00 of the unit (A-13)
+}
+CARD: Mapping[int, Emcy] = {
+    code: emcy
+    for (code, detail), emcy in TABLE.items()
+    if code and not detail and code != 0x6100  # A-63: they have no error number
+}
+PROTOCOL_ERROR = CARD[0x8200]  # Tab. 82: a parameter exceeds its limit
+
+
+def unit_error(number: int | str) -> int:
+    """An error number of the unit, given as a number or as text such as 0x23.
+
+    Raises:
+        UserError: chapter 8 has none of this number.
+    """
+    value = _number(number)
+    if value not in UNIT:
+        raise UserError(f"no unit error {number}: chapter 8 has 0x00..0x1ff without 0x14d")
+    return value
+
+
+def card_error(code: int | str) -> int:
+    """The code of an error of the card.
+
+    Raises:
+        UserError: the card has none of this code.
+    """
+    value = _number(code)
+    if value not in CARD:
+        raise UserError(f"no card error {code}: there is {', '.join(map(hex, CARD))}")
+    return value
+
+
+def _number(text: int | str) -> int:
+    try:
+        return int(text, 0) if isinstance(text, str) else text
+    except ValueError:
+        raise UserError(f"{text!r} is no number: write it as 0x23 or 35") from None
+
+
+class CardErrors:
+    """Errors of the card: told and kept until the reset, the unit goes on (A-63)."""
+
+    def __init__(self) -> None:
+        self.active: tuple[Emcy, ...] = ()
+
+    def add(self, code: int) -> None:
+        """Raise one; without effect while it is active."""
+        if CARD[code] not in self.active:
+            self.active = (*self.active, CARD[code])
+
+    def reset(self) -> None:
+        """Command 2 of 0x2014."""
+        self.active = ()
