@@ -103,12 +103,19 @@ class Entry:
 class Slave(LocalNode):
     """The dictionary of one node, as the services and the device see it."""
 
-    def __init__(self, od: ObjectDictionary, node_id: int, wire: Wire, clock: Clock) -> None:
+    def __init__(
+        self,
+        od: ObjectDictionary,
+        node_id: int,
+        wire: Wire,
+        clock: Clock,
+        profile: Profile | None = None,
+    ) -> None:
         super().__init__(node_id, od)
         self.node_id = node_id
         self.wire = wire
         self.clock = Scope(clock)  # a reset makes a fresh slave: the timers of this one end with it
-        self.profile = Profile()
+        self.profile = profile or Profile()
         self.entries: dict[int, dict[int, Entry]] = {}
         self.on_communication_change: Callable[[], None] = lambda: None
         for index, item in od.indices.items():
@@ -125,6 +132,12 @@ class Slave(LocalNode):
         for subindex, variable in variables.items():
             self.entries[index][subindex] = entry = Entry(variable, cell)
             cell[subindex] = _initial(entry)
+
+    def keep_application(self, before: "Slave") -> None:
+        """Take over what a slave before this one had in its memory beyond 0x1000-0x1FFF."""
+        for index, cell in before.data_store.items():
+            if index >= 0x2000 and index in self.data_store:
+                self.data_store[index].update(cell)
 
     def bind(self, objects: Mapping[Address, Object]) -> None:
         """Let entries act. Several may act on one entry: the first bound refuses first.
