@@ -5,6 +5,7 @@ from typing import Any
 import canopen
 
 from simulators.device import Device
+from simulators.errors import UserError
 from simulators.node import Node
 from simulators.segment import Segment
 
@@ -80,9 +81,11 @@ class Twin:
         """Switch the supply on, with other settings if any are given.
 
         Raises:
-            UserError: no such setting, or a wrong value.
+            UserError: no such setting, a wrong value, or settings while it is on.
         """
         if settings:
+            if self.node.powered:
+                raise UserError(f"{self.name} is on: power it off before changing its settings")
             self.node.device.configure(**settings)
         self.node.power_on()
         self._segment.deliver()
