@@ -12,7 +12,7 @@ from simulators.kinds import convert
 Settings = TypeVar("Settings")
 
 
-def setting(
+def setting(  # noqa: PLR0913 - each is a word about one setting
     default: Any,
     text: str,
     *,

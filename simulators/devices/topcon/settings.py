@@ -6,7 +6,6 @@ from typing import Any, Literal
 from simulators.device import NodeSettings
 from simulators.settings import setting
 
-
 SIGNED16 = 0x7FFF
 
 
