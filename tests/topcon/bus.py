@@ -30,3 +30,17 @@ def run(bench, voltage=4000, current=4000, power=4000, resistance=0):
 def state_of_output(bench):
     """0x2023 as it is read over the bus."""
     return bench.sdo["State of output"].raw
+
+
+def read(bench, index, subindex=0):
+    """The answer to an SDO upload request, as it is on the bus."""
+    return bench.send(f"605#40{index & 0xFF:02X}{index >> 8:02X}{subindex:02X}00000000")
+
+
+def aborted(answer):
+    """Index, sub-index and code of an abort; none for any other answer."""
+    (frame,) = answer
+    data = bytes.fromhex(frame.removeprefix("585#"))
+    if data[0] != 0x80:
+        return None
+    return int.from_bytes(data[1:3], "little"), data[3], int.from_bytes(data[4:], "little")

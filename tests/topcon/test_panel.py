@@ -10,25 +10,21 @@ from .bus import (
     RESET_NODE,
     START,
     STOP,
+    read,
     run,
     state_of_output,
 )
 
-SETTINGS = [  # a write from the bus, and the object as it reads before
-    ("605#2B102000E8030000", "2010"),
-    ("605#2B112000E8030000", "2011"),
-    ("605#2B122000E8030000", "2012"),
-    ("605#2B132000E8030000", "2013"),
-    ("605#2B14200001000000", "2014"),
-    ("605#2B302000E8030000", "2030"),
-    ("605#2B312000E8030000", "2031"),
-    ("605#2B002102E8030000", "2100sub2"),
+SETTINGS = [  # a write from the bus, and where it goes
+    ("605#2B102000E8030000", (0x2010,)),
+    ("605#2B112000E8030000", (0x2011,)),
+    ("605#2B122000E8030000", (0x2012,)),
+    ("605#2B132000E8030000", (0x2013,)),
+    ("605#2B14200001000000", (0x2014,)),
+    ("605#2B302000E8030000", (0x2030,)),
+    ("605#2B312000E8030000", (0x2031,)),
+    ("605#2B002102E8030000", (0x2100, 2)),
 ]
-
-
-def read(bench, address):
-    index, _, subindex = address.partition("sub")
-    return bench.send(f"605#40{index[2:]}{index[:2]}{subindex or '0':0>2}00000000")
 
 
 def in_control(bench):
@@ -73,11 +69,11 @@ def test_outside_operational_the_panel_can_go_local_and_back(topcon, command):
 @pytest.mark.spec("T-081", "A-08")
 @pytest.mark.parametrize(("write", "address"), SETTINGS)
 def test_a_setting_is_confirmed_and_dropped_while_the_panel_is_local(local, write, address, caplog):
-    before = read(local, address)
+    before = read(local, *address)
     with caplog.at_level(logging.WARNING):
         assert local.send(write) == [f"585#60{write[6:12]}00000000"]
     assert "is ignored: the panel is in control" in caplog.text
-    assert read(local, address) == before
+    assert read(local, *address) == before
 
 
 @pytest.mark.spec("T-081", "A-08")
@@ -85,9 +81,9 @@ def test_a_setting_is_confirmed_and_dropped_while_the_panel_is_local(local, writ
 def test_a_setting_may_be_refused_instead(write, address):
     bench = Bench("topcon", node_id=5, local_write="abort")
     bench.set(panel="local")
-    before = read(bench, address)
+    before = read(bench, *address)
     assert bench.send(write) == [f"585#80{write[6:12]}21000008"]
-    assert read(bench, address) == before
+    assert read(bench, *address) == before
 
 
 @pytest.mark.spec("A-08")
