@@ -109,6 +109,15 @@ def test_a_cause_outlives_a_power_cycle(topcon):
     assert reset(topcon) == NO_ERROR
 
 
+@pytest.mark.spec("A-76", "A-83")
+def test_mains_that_are_low_at_power_on_have_not_jumped(topcon):
+    topcon.inject("mains", volts=330)
+    topcon.run(0.1)
+    topcon.power_off()
+    topcon.power_on()
+    assert topcon.run(0.1) == [emcy(0x3200, 0x05, 0x49)]
+
+
 @pytest.mark.spec("T-194", "A-74", "A-83")
 @pytest.mark.parametrize(("connection", "count"), [("parallel", 0xD6), ("series", 0xD5)])
 def test_a_slave_that_falls_silent_is_missing_at_the_reset(connection, count):

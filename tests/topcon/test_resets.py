@@ -53,6 +53,7 @@ def test_without_mains_the_whole_node_is_gone_and_comes_back_as_new(topcon):
     run(topcon, voltage=2000)
     topcon.run(1.0)
     topcon.power_off()
+    assert topcon.device.report["mode"] == "OFF"
     assert [topcon.send(frame) for frame in (READ_DEVICE_TYPE, "185#R", START, RESET_NODE)] == 4 * [
         []
     ]
