@@ -82,7 +82,7 @@ class Node:
     def receive(self, frame: Frame) -> None:
         """Take a frame from the bus; what the node sends is in the outbox afterwards."""
         stack = self._stack
-        if stack is None or frame.extended:
+        if stack is None or frame.extended or self.wire.shut:
             return
         handlers = stack.routes.get((frame.can_id, frame.remote))
         if handlers is None:

@@ -55,6 +55,7 @@ class Slave(LocalNode):
         for index, item in od.indices.items():
             if index not in DUMMIES:
                 self._add(index, item)
+        wire.shut = False
         for other in list(wire):
             del wire[other]
         wire[node_id] = self
