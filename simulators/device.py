@@ -140,10 +140,15 @@ class Device:
         """Change settings while the device runs.
 
         Raises:
-            UserError: unknown, of the wrong kind, or taken over at power-on only.
+            UserError: unknown, of the wrong kind, or taken over at power-on only; the settings
+                are then as before.
         """
-        self.settings = changed(self.settings, given, live=True)
-        self.apply()
+        before, self.settings = self.settings, changed(self.settings, given, live=True)
+        try:
+            self.apply()
+        except UserError:
+            self.settings = before
+            raise
 
     def configure(self, **given: object) -> None:
         """Change settings while the device is off.

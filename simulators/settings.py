@@ -2,15 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields, replace
-from math import isfinite
 from types import UnionType
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 from simulators.errors import UserError, unknown
+from simulators.kinds import convert
 
 Settings = TypeVar("Settings")
-
-WORDS = {"true": True, "yes": True, "on": True, "false": False, "no": False, "off": False}
 
 
 def setting(
@@ -74,34 +72,10 @@ def _convert(name: str, value: object, kind: Any) -> object:
         if value is None or value == "none":
             return None
         kind = next(option for option in get_args(kind) if option is not type(None))
-    try:
-        return _scalar(value, kind)
-    except (ValueError, TypeError, KeyError):
-        raise UserError(f"setting {name!r} wants {KINDS[kind]}, not {value!r}") from None
+    return convert(f"setting {name!r}", value, kind)
 
 
 def _choice(name: str, value: object, choices: tuple[object, ...]) -> object:
     if value not in choices:
         raise UserError(f"setting {name!r} is one of {', '.join(map(str, choices))}, not {value!r}")
     return value
-
-
-KINDS = {int: "a whole number", float: "a number", bool: "true or false", str: "a text"}
-
-
-def _scalar(value: object, kind: type) -> object:
-    if kind is bool:
-        return value if isinstance(value, bool) else WORDS[str(value).lower()]
-    if isinstance(value, bool) or not isinstance(value, (str, int, float)):
-        raise TypeError(value)
-    if kind is int:
-        return int(value, 0) if isinstance(value, str) else _whole(value)
-    if kind is float and not isfinite(float(value)):
-        raise ValueError(value)
-    return kind(value)
-
-
-def _whole(number: float) -> int:
-    if not isfinite(number) or number != int(number):
-        raise ValueError(number)
-    return int(number)
