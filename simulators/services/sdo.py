@@ -3,10 +3,11 @@
 from collections.abc import Callable, Mapping
 
 from simulators.clock import Timer
+from simulators.entry import Entry
 from simulators.objects import Abort, Rejected
 from simulators.services import Listening, Service, State
 from simulators.services.transfer import Download, Transfer, Upload
-from simulators.slave import Entry, Slave
+from simulators.slave import Slave
 from simulators.wire import Frame
 
 REQUEST_LENGTH = 8

@@ -3,6 +3,7 @@
 from collections.abc import Container, Mapping
 
 from simulators.clock import Timer
+from simulators.entry import Entry
 from simulators.objects import Address, Object
 from simulators.services import Listening, State
 from simulators.services import cob_id as cob_ids
@@ -14,7 +15,7 @@ from simulators.services.pdo import (
     TRANSMISSION_TYPE,
     Pdo,
 )
-from simulators.slave import Entry, Slave
+from simulators.slave import Slave
 from simulators.wire import Frame
 
 AT_SYNC_AFTER_EVENT = 0

@@ -1,7 +1,8 @@
 """Segmented SDO transfers: what is known of one between its initiate and its end."""
 
+from simulators.entry import Entry
 from simulators.objects import Abort, Rejected
-from simulators.slave import Entry, Slave
+from simulators.slave import Slave
 
 SEGMENT_ROOM = 7
 TOGGLE = 1 << 4
