@@ -39,9 +39,9 @@ def muted() -> canopen.Network:
 @contextmanager
 def master(channel: str) -> Iterator[canopen.RemoteNode]:
     """A master's view of the node from the other end of a `virtual` bus."""
-    with canopen.Network().connect(interface="virtual", channel=channel) as network:
-        with od_file("topcon.eds") as path:
-            yield network.add_node(NODE_ID, str(path))
+    network = canopen.Network().connect(interface="virtual", channel=channel)
+    with network, od_file("topcon.eds") as path:
+        yield network.add_node(NODE_ID, str(path))
 
 
 @contextmanager

@@ -37,7 +37,7 @@ class Node:
         self._stack: Stack | None = None  # none: silent, whatever the reason
         self._before: Slave | None = None
         self._afresh = True  # the next boot is one of the application, not of communication alone
-        self._log = EmcyLog()
+        self.log = EmcyLog()
         self._cycle = microseconds(device.cycle)
         self._stepped = clock.ticks
         self._wake: float = inf
@@ -166,10 +166,10 @@ class Node:
         device = self.device
         slave = Slave(device.dictionary(), device.node_id, self.wire, self.clock, device.profile)
         if self._afresh:
-            self._log = EmcyLog()
+            self.log = EmcyLog()
         elif self._before is not None:
             slave.keep_application(self._before)
-        self._stack = Stack(slave, device, self._log)
+        self._stack = Stack(slave, device, self.log)
         area = EVERYTHING if self._afresh else COMMUNICATION_AREA
         recall(slave, device.memory, device.stored, area)
         self._stack.boot_up()
