@@ -20,7 +20,12 @@ def power_on(units) -> Callable[..., OutputStage]:
     """A stage just powered; `parts` are 0x2010-0x2013 as a master would write them."""
 
     def power_on(
-        name="TCP-32-400", load="open", parts=(0, 0, 4000, 0), figures=(), kind=OutputStage, **inputs
+        name="TCP-32-400",
+        load="open",
+        parts=(0, 0, 4000, 0),
+        figures=(),
+        kind=OutputStage,
+        **inputs,
     ):
         unit = replace(units[name], **dict(figures))
         stage = kind(unit, load=parse_load(load), **inputs)

@@ -129,7 +129,8 @@ class OutputStage(Plant):
             self._fire(Event.WARN)
 
     def _fire(self, event: Event) -> None:
-        before, self.state = self.state, TRANSITIONS[self.state].get(event, self.state)
-        if self.state is not before:
+        was_running = self.running
+        self.state = TRANSITIONS[self.state].get(event, self.state)
+        if self.running is not was_running:
             self.circuit.disturb()
             self._calm = None
