@@ -1,6 +1,9 @@
-from math import log
+from math import inf, log
 
 import pytest
+
+from simulators.devices.topcon.model.heat import HeatSink
+from simulators.devices.topcon.model.i2t import I2tStore
 
 FULL = (4000, 4000, 4000, 0)
 
@@ -52,3 +55,25 @@ def test_rest_is_the_time_to_the_i2t_warning_and_trip(running):
     assert stage.rest == pytest.approx((1e6 - stage.i2t) / rate)
     stage.step(stage.rest + 0.001)
     assert stage.errors == (0x20,)
+
+
+@pytest.mark.parametrize(
+    ("temperature", "part"), [(-20, 1.0), (80, 1.0), (86, 0.8), (92, 0.6), (95, 0.5), (200, 0.5)]
+)
+def test_the_maximum_current_falls_to_half_between_80_and_95_degrees(units, temperature, part):
+    assert HeatSink(units["TCP-32-400"], temperature).derating == pytest.approx(part)
+
+
+def test_the_heat_sink_follows_its_time_constant_in_steps_of_any_length(units):
+    one, many = (HeatSink(units["TCP-32-400"], 25.0) for _ in range(2))
+    one.step(one.time_constant, loss=1000.0, ambient=25.0)
+    for _ in range(1000):
+        many.step(many.time_constant / 1000, loss=1000.0, ambient=25.0)
+    assert one.temperature == pytest.approx(25 + 16.6 * 0.632121, rel=1e-6)
+    assert many.temperature == pytest.approx(one.temperature, rel=1e-12)
+
+
+def test_the_permitted_current_fills_no_i2t_store_not_even_by_its_last_bit(units):
+    store = I2tStore(units["TCP-32-400"])
+    assert store.time_to(5000.0, 100.0 * (1 + 1e-12)) == inf
+    assert store.time_to(5000.0, 110.0) == pytest.approx(5000 / (110**2 - 100**2))

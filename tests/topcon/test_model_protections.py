@@ -75,10 +75,10 @@ def test_current_that_the_unit_does_not_drive_is_no_overcurrent(running):
     stage.step(20.0)
     assert stage.current == pytest.approx(80, rel=1e-3)
     stage.stop()
-    stage.overcurrent_level = 20.0
+    stage.overcurrent_level = stage.overcurrent_warning = 20.0
     stage.step(1.0)
     assert stage.current > 40
-    assert stage.errors == ()
+    assert (stage.errors, stage.warning) == ((), False)
 
 
 @pytest.mark.spec("T-192")
@@ -92,6 +92,17 @@ def test_a_current_over_the_derated_maximum_trips_after_its_delay(power_on):
     assert stage.errors == ()
     stage.step(0.001)
     assert stage.errors == (0x25,)
+
+
+def test_a_cold_unit_has_no_derated_maximum(power_on):
+    stage = power_on(parts=(4000, 4000, 4000, 0), figures={"capacitance": 2.0})
+    stage.overcurrent_level = 1000.0
+    stage.circuit.voltage = 400.0
+    stage.run()
+    stage.load = Resistor(2.0)
+    stage.step(0.1)
+    assert stage.current > 150
+    assert stage.errors == ()
 
 
 @pytest.mark.spec("T-193")

@@ -173,3 +173,4 @@ def test_a_unit_with_the_q4_option_takes_current_in(running, volts, current):
     assert stage.current == pytest.approx(current, abs=0.2)
     assert stage.mode is CV
     assert stage.power < 0
+    assert stage.loss >= stage.unit.idle_power  # taking in costs as giving out does

@@ -60,12 +60,14 @@ def test_a_reset_removes_the_errors_without_a_cause_and_keeps_the_others(running
 def test_a_held_error_outlives_resets_until_it_is_released(running):
     stage = running(parts=CV)
     stage.trip(0xF4, held=True)
+    stage.trip(0xF4, held=True)  # the same cause, not a second one
     stage.reset()
     assert stage.errors == (0xF4,)
     stage.release(0xF4)
     assert stage.errors == (0xF4,)
     stage.reset()
     assert stage.errors == ()
+    stage.release(0xF4)  # nothing left to release: no harm
 
 
 @pytest.mark.spec("T-051")

@@ -76,6 +76,16 @@ def test_a_regenerating_unit_names_the_mains_not_the_dc_link(running, cause, err
     assert stage.errors == (error,)
 
 
+def test_a_stage_does_not_rest_while_a_delay_runs(running):
+    stage = running(parts=CV, mains=380.0)
+    assert stage.rest > 0
+    stage.mains = 339.0
+    stage.step(0.001)
+    assert stage.rest == 0.0
+    stage.step(0.019)
+    assert stage.errors == (0x49,)
+
+
 def test_a_dip_shorter_than_the_delay_is_ridden_through(running):
     stage = running(parts=CV, mains=380.0)
     for _ in range(5):

@@ -103,9 +103,10 @@ def test_a_type_listed_twice_is_refused(units):
 
 @pytest.mark.spec("T-160", "A-74")
 def test_a_parallel_system_shows_the_sum_of_currents(units):
-    system = units[A].system(3, "parallel")
+    system = replace(units[A], sink_current=30.0).system(3, "parallel")
     assert (system.nominal_voltage, system.maximum_current) == (400, 300)
     assert (system.nominal_power, system.nominal_resistance) == (96_000, 1.333)
+    assert system.sink_current == 90
     assert system.name == "3 x TCP-32-400 parallel"
 
 
