@@ -94,6 +94,15 @@ def test_a_current_over_the_derated_maximum_trips_after_its_delay(power_on):
     assert stage.errors == (0x25,)
 
 
+def test_a_hot_unit_that_is_off_has_no_overcurrent(power_on):
+    stage = power_on(ambient=89.0, figures={"capacitance": 2.0})
+    stage.circuit.voltage = 400.0
+    stage.load = Resistor(4.0)
+    stage.step(0.1)
+    assert stage.current > 90
+    assert stage.errors == ()
+
+
 def test_a_cold_unit_has_no_derated_maximum(power_on):
     stage = power_on(parts=(4000, 4000, 4000, 0), figures={"capacitance": 2.0})
     stage.overcurrent_level = 1000.0
