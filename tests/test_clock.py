@@ -158,3 +158,18 @@ def test_a_scope_does_not_collect_timers_that_are_over(clock):
     scope.every(1.0, lambda: None)
     assert len(scope._timers) == 1
     assert scope.now == clock.now
+
+
+def test_a_scope_can_surround_each_of_its_actions(clock):
+    log = []
+
+    def run(action):
+        log.append("before")
+        action()
+        log.append("after")
+
+    scope = Scope(clock, run)
+    scope.after(0.1, lambda: log.append("once"))
+    scope.every(0.2, lambda: log.append("again"))
+    clock.advance(0.2)
+    assert log == ["before", "once", "after", "before", "again", "after"]

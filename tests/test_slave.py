@@ -2,7 +2,7 @@ import pytest
 from canopen import SdoAbortedError
 from probe import Probe
 
-from simulators.clock import Clock
+from simulators.clock import Clock, Scope
 from simulators.objects import Abort, Object, Rejected
 from simulators.profile import Profile
 from simulators.slave import Slave, dictionary
@@ -16,7 +16,7 @@ BYTE, WORD, LIMITED, TEXT, DOMAIN = (
 def make(node_id=5, **profile):
     clock = Clock()
     od = dictionary(Probe.eds, node_id)
-    return Slave(od, node_id, Wire(clock), clock, Profile(**profile))
+    return Slave(od, node_id, Wire(clock), Scope(clock), Profile(**profile))
 
 
 @pytest.fixture
@@ -223,5 +223,5 @@ def test_there_is_one_slave_on_a_wire():
     clock = Clock()
     wire = Wire(clock)
     for node_id in (5, 6):
-        Slave(dictionary(Probe.eds, node_id), node_id, wire, clock)
+        Slave(dictionary(Probe.eds, node_id), node_id, wire, Scope(clock))
     assert list(wire) == [6]
