@@ -79,7 +79,7 @@ def test_several_nodes_are_watched_each_in_its_own_time(watching):
     assert told(watching) == ["node 9 is silent", "node 7 is silent"]
 
 
-@pytest.mark.parametrize("entry", ["00000000", "E8030000", "00000700", "F4010900"])
+@pytest.mark.parametrize("entry", ["00000000", "E8030000", "00000700", "F4010900", "F4018700"])
 def test_a_node_that_is_watched_no_more_is_not_missed(watching, entry):
     configure(watching, f"605#23161001{entry}")
     watching.run(2.0)
@@ -91,6 +91,12 @@ def test_a_silent_node_that_is_watched_anew_is_back_with_its_next_heartbeat(watc
     configure(watching, "605#2316100100000000", WATCH_7)
     watching.send("707#05")
     assert told(watching) == ["node 7 is silent", "node 7 is back"]
+
+
+def test_two_times_for_one_node_are_refused(watching):
+    assert watching.send("605#23161002F4010700") == ["585#8016100243000406"]
+    assert watching.send("605#4016100200000000") == ["585#4316100200000000"]
+    configure(watching, "605#23161001F4010700", "605#2316100200000700")
 
 
 def test_it_watches_in_every_state(watching):
