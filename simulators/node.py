@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from math import inf, isfinite
 
-from simulators.clock import MICROSECONDS, Clock, Timer, microseconds
+from simulators.clock import MICROSECONDS, Action, Clock, Scope, Timer, microseconds
 from simulators.device import Device
 from simulators.faults import Faults
 from simulators.services import State
@@ -93,6 +93,12 @@ class Node:
             handle(frame)
         self._settle()
 
+    def _on_time(self, action: Action) -> None:
+        """A timer of a service acts as a frame does."""
+        self._catch_up()
+        action()
+        self._settle()
+
     @contextmanager
     def acting(self) -> Iterator[Device]:
         """Act on the device at this moment: time has passed before, news goes out after."""
@@ -164,7 +170,8 @@ class Node:
     def _boot(self) -> None:
         """A fresh slave from the EDS and the stored parameters."""
         device = self.device
-        slave = Slave(device.dictionary(), device.node_id, self.wire, self.clock, device.profile)
+        scope = Scope(self.clock, self._on_time)
+        slave = Slave(device.dictionary(), device.node_id, self.wire, scope, device.profile)
         if self._afresh:
             self.log = EmcyLog()
         elif self._before is not None:
