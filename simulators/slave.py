@@ -80,7 +80,7 @@ class Slave(LocalNode):
             KeyError: the dictionary has no such entry.
         """
         for (index, subindex), acts in objects.items():
-            self.entries[index][subindex].acts.append(acts)
+            self.entries[index][subindex].bind(acts)
 
     def entry(self, index: int, subindex: int) -> Entry:
         """The entry at an address.
