@@ -140,4 +140,4 @@ def test_what_the_twins_have_sent_is_not_what_a_master_has_sent():
     bench = Bench.of({"probe": Probe(5)})
     bench.segment.master("tester").put(Frame.parse("000#0105"))
     bench.segment.deliver()
-    assert bench.sent == ["705#00"]
+    assert bench.sent == ["705#00", "185#000000"]
