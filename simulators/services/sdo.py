@@ -33,6 +33,9 @@ class SdoServer(Service):
             3: self._segment_of(Upload),
             4: self._client_abort,
         }
+        self._checks = [self._check_access, self._check_length]
+        if slave.profile.length_before_access:
+            self._checks.reverse()
         self._transfer: Transfer | None = None
         self._multiplexer = NO_OBJECT
         self._time_out: Timer | None = None
@@ -90,7 +93,8 @@ class SdoServer(Service):
             size = EXPEDITED_ROOM - (data[0] >> 2 & 3) if sized else None
         else:
             size = int.from_bytes(data[4:], "little") if sized else None
-        self._check_download(entry, size)
+        for check in self._checks:
+            check(entry, size)
         if not expedited:
             return self._begin_download(entry, size, data)
         room = entry.size if size is None else size  # without a size as many as the object has
@@ -105,13 +109,6 @@ class SdoServer(Service):
             raise Rejected(f"{size} bytes are more than {longest}", self.slave.profile.too_long)
         self._begin(Download(entry, self.slave, longest, size))
         return b"\x60" + data[1:4] + bytes(4)
-
-    def _check_download(self, entry: Entry, size: int | None) -> None:
-        checks = [self._check_access, self._check_length]
-        if self.slave.profile.length_before_access:
-            checks.reverse()
-        for check in checks:
-            check(entry, size)
 
     def _check_access(self, entry: Entry, size: int | None) -> None:
         if not entry.writable:
