@@ -14,6 +14,7 @@ from functools import partial
 from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
+from typing import TypeAlias
 
 from can.cli import add_bus_arguments
 
@@ -65,7 +66,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 SCENARIO = "a file, or the name of one that is shipped"
-Commands = "argparse._SubParsersAction[argparse.ArgumentParser]"
+Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  # noqa: SLF001
 
 
 def _catalogue(commands: Commands) -> None:

@@ -41,7 +41,8 @@ def settings(options: argparse.Namespace) -> int:
         told = about(entry)
         unit = f" [{told.unit}]" if told.unit else ""
         live = "; may change while running" if told.live else ""
-        rows.append((entry.name, str(entry.default), told.assumed, f"{told.text}{unit}{live}"))
+        default = entry.default if isinstance(entry.default, str) else str(entry.default).lower()
+        rows.append((entry.name, default, told.assumed, f"{told.text}{unit}{live}"))
     _table(rows)
     return 0
 

@@ -3,7 +3,6 @@
 import argparse
 import json
 import signal
-from collections.abc import Callable
 from types import FrameType
 
 import can
@@ -91,5 +90,3 @@ def _ready(options: argparse.Namespace, device: Device) -> dict[str, object]:
         "interface": getattr(options, "interface", None),
         "channel": getattr(options, "channel", None),
     }
-
-
