@@ -23,23 +23,22 @@ class Figure(NamedTuple):
 
 UPLOAD = "an SDO upload request"
 FRAME = "test_frame_localnode[upload]"
+LOCAL_NODE = "`LocalNode` on `virtual`"
 
 SECTIONS = {
     "A master and a twin": [
         Figure(
-            "SDO upload by `RemoteNode`, in the bench",
-            "test_upload_bench",
-            "`LocalNode` on `virtual`",
-            "test_upload_localnode_virtual",
-            Goal(ratio=2.5),
-        ),
-        Figure(
-            "SDO upload by `RemoteNode`, served on `virtual`",
-            "test_upload_served_virtual",
-            "`LocalNode` on `virtual`",
-            "test_upload_localnode_virtual",
-            Goal(ratio=1.0),
-        ),
+            f"SDO upload of {what}, {where}",
+            f"test_upload_{place}[{name}]",
+            LOCAL_NODE,
+            f"test_upload_localnode_virtual[{name}]",
+            goal,
+        )
+        for place, where, goal in (
+            ("bench", "in the bench", Goal(ratio=2.5)),
+            ("served_virtual", "served on `virtual`", Goal(ratio=1.0)),
+        )
+        for name, what in (("memory", "a value in memory"), ("measured", "a measured value"))
     ],
     "One frame in a node": [
         Figure(
@@ -90,14 +89,14 @@ SECTIONS = {
         Figure(
             "twin made and read, every one but the first",
             "test_later_twin",
-            "`LocalNode` on `virtual`",
+            LOCAL_NODE,
             "test_later_localnode",
             Goal(time=0.020),
         ),
         Figure(
             "the first of a process that has imported canopen",
             "test_fresh[first-twin]",
-            "`LocalNode` on `virtual`",
+            LOCAL_NODE,
             "test_fresh[first-localnode]",
             Goal(time=0.020),
         ),

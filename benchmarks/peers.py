@@ -1,4 +1,4 @@
-"""What the twins are measured against: canopen's `LocalNode`, as shipped, over the same EDS."""
+"""What the twins are measured against: canopen's `LocalNode`, as shipped, with the same EDS."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
