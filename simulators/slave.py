@@ -11,7 +11,7 @@ from typing import Any
 from canopen import LocalNode, ObjectDictionary, SdoAbortedError, import_od
 from canopen.objectdictionary import ODVariable
 
-from simulators.clock import Clock, Scope
+from simulators.clock import Scope
 from simulators.entry import Entry
 from simulators.objects import Abort, Address, Object, Rejected
 from simulators.profile import Profile
@@ -42,13 +42,13 @@ class Slave(LocalNode):
         od: ObjectDictionary,
         node_id: int,
         wire: Wire,
-        clock: Clock,
+        clock: Scope,
         profile: Profile | None = None,
     ) -> None:
         super().__init__(node_id, od)
         self.node_id = node_id
         self.wire = wire
-        self.clock = Scope(clock)  # a reset makes a fresh slave: the timers of this one end with it
+        self.clock = clock  # a reset makes a fresh slave: the timers of this one end with it
         self.profile = profile or Profile()
         self.entries: dict[int, dict[int, Entry]] = {}
         self.on_communication_change: Callable[[], None] = lambda: None

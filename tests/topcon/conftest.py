@@ -5,8 +5,15 @@ from pathlib import Path
 import pytest
 import yaml
 
+from simulators import Bench
 from simulators.devices.topcon.model import OutputStage, UnitType, parse_load, unit_types
 from simulators.resources import od_file
+
+
+@pytest.fixture
+def topcon() -> Bench:
+    """A TopCon with power on and nothing connected, node id 5; its boot-up message is out."""
+    return Bench("topcon", node_id=5)
 
 
 @pytest.fixture(scope="session")
