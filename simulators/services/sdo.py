@@ -26,13 +26,14 @@ class SdoServer(Service):
 
     def __init__(self, slave: Slave) -> None:
         super().__init__(slave)
-        self._commands: Mapping[int, Handler] = {
+        self._kinds: Mapping[int, Handler] = {
             0: self._segment_of(Download),
             1: self._initiate_download,
             2: self._initiate_upload,
             3: self._segment_of(Upload),
             4: self._client_abort,
         }
+        self._handlers = [self._handler(command) for command in range(0x100)]
         self._checks = [self._check_access, self._check_length]
         if slave.profile.length_before_access:
             self._checks.reverse()
@@ -56,23 +57,24 @@ class SdoServer(Service):
         if len(data) != REQUEST_LENGTH:
             return
         try:
-            answer = self._command(data)
+            answer = self._handlers[data[0]](data)
         except Rejected as refusal:
             self._close()
             answer = abort(self._multiplexer, refusal.code)
         if answer is not None:
             self.slave.wire.put(Frame(self._answers, answer))
 
-    def _command(self, data: bytes) -> bytes | None:
-        handler = self._commands.get(data[0] >> 5)
-        profile = self.slave.profile
-        if handler is None or (profile.literal_commands and data[0] not in LITERAL_COMMANDS):
-            # a block initiate names an object, what is not known at all does not (as far as
-            # segments exist: without them nothing but initiates can have been meant)
-            named = data[0] >> 5 in (5, 6) or not profile.segmented
-            self._multiplexer = data[1:4] if named else NO_OBJECT
-            raise Rejected("unknown command specifier", Abort.COMMAND)
-        return handler(data)
+    def _handler(self, command: int) -> Handler:
+        literal = self.slave.profile.literal_commands
+        known = not literal or command in LITERAL_COMMANDS
+        return self._kinds.get(command >> 5, self._unknown) if known else self._unknown
+
+    def _unknown(self, data: bytes) -> bytes:
+        # a block initiate names an object, what is not known at all does not (as far as
+        # segments exist: without them nothing but initiates can have been meant)
+        named = data[0] >> 5 in (5, 6) or not self.slave.profile.segmented
+        self._multiplexer = data[1:4] if named else NO_OBJECT
+        raise Rejected("unknown command specifier", Abort.COMMAND)
 
     def _initiate_upload(self, data: bytes) -> bytes:
         entry = self._open(data)
