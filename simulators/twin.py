@@ -25,7 +25,9 @@ class Twin:
     def device(self) -> Any:
         """The device itself as it is at this moment, to look at its model."""
         with self.node.acting() as device:
-            return device
+            pass
+        self._segment.deliver()
+        return device
 
     @property
     def remote(self) -> canopen.RemoteNode:
@@ -81,11 +83,11 @@ class Twin:
         """Switch the supply on, with other settings if any are given.
 
         Raises:
-            UserError: no such setting, a wrong value, or settings while it is on.
+            UserError: no such setting, a wrong value, or the power is on already.
         """
+        if settings and self.node.powered:
+            raise UserError(f"the power is on: switch it off to change {', '.join(settings)}")
         if settings:
-            if self.node.powered:
-                raise UserError(f"{self.name} is on: power it off before changing its settings")
             self.node.device.configure(**settings)
         self.node.power_on()
         self._segment.deliver()

@@ -18,7 +18,7 @@ def test_settings_refused_at_power_on_leave_everything_as_it_was(bench):
 
 
 def test_settings_wait_for_the_power_to_be_off(bench):
-    with pytest.raises(UserError, match="topcon is on: power it off"):
+    with pytest.raises(UserError, match="the power is on: switch it off"):
         bench.power_on(serial=7)
     bench.power_on()  # on already
     assert bench.sent == ["705#00"]

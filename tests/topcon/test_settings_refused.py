@@ -9,7 +9,7 @@ from simulators import Bench, UserError
         ({"lod": "open"}, "unknown setting 'lod': did you mean 'load'?"),
         ({"load": "resitor 4"}, "setting 'load': no load is called 'resitor'"),
         ({"load": "resistor"}, "write 'resistor <ohm>'"),
-        ({"load": "battery 350 -1"}, "ohm must be above 0 ohm"),
+        ({"load": "battery 350 -1"}, "ohm must be above 0"),
         ({"unit": "TCP-32-40"}, "unknown unit type 'TCP-32-40': did you mean 'TCP-32-400'?"),
         ({"unit_file": "nowhere.yaml"}, "nowhere.yaml: "),
         ({"units": 0}, "setting 'units' is 1 or more, not 0"),
