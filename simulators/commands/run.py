@@ -9,7 +9,7 @@ import can
 from can.cli import create_bus_from_namespace
 
 from simulators import devices, replay
-from simulators.commands.scenarios import find
+from simulators.commands.scenarios import load
 from simulators.device import Device
 from simulators.errors import UserError
 from simulators.memory import Memory
@@ -26,8 +26,7 @@ def run(options: argparse.Namespace) -> int:
     node = segment.node(device, options.device)
     player = None
     if options.scenario:
-        scenario = replay.load(find(options.scenario))
-        player = replay.Player(scenario, segment, {options.device: node})
+        player = replay.Player(load(options.scenario), segment, {options.device: node})
     stop = _Stop()
     node.power_on()
     if player is not None:

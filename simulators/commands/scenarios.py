@@ -1,11 +1,13 @@
 """Scenarios: play them, or say what is wrong with them."""
 
 import argparse
+import dataclasses
 import sys
 from pathlib import Path
 
 from simulators import replay
 from simulators.errors import UserError, unknown
+from simulators.replay.scenario import Scenario
 from simulators.resources import scenario_file, scenarios
 
 FAILED, WRONG_INPUT = 1, 2
@@ -13,9 +15,8 @@ FAILED, WRONG_INPUT = 1, 2
 
 def play(options: argparse.Namespace) -> int:
     """Play every scenario, the trace first and then the verdict; 1 if one has failed."""
-    loaded = [replay.load(find(name)) for name in options.scenarios]
     failed = False
-    for scenario in loaded:
+    for scenario in [load(name) for name in options.scenarios]:
         verdict = replay.play(scenario, sys.stdout)
         print(verdict)
         failed = failed or not verdict.ok
@@ -27,7 +28,7 @@ def check(options: argparse.Namespace) -> int:
     wrong = False
     for name in options.scenarios:
         try:
-            replay.load(find(name))
+            load(name)
         except UserError as error:
             print(error, file=sys.stderr)
             wrong = True
@@ -36,15 +37,15 @@ def check(options: argparse.Namespace) -> int:
     return WRONG_INPUT if wrong else 0
 
 
-def find(name: str) -> Path:
-    """The path of a scenario: a file, or one that is shipped.
+def load(name: str) -> Scenario:
+    """A scenario from a file, or one that is shipped; its file is called as the user calls it.
 
     Raises:
-        UserError: there is neither.
+        UserError: there is neither, or the file has mistakes.
     """
     if Path(name).exists() or "/" in name:
-        return Path(name)
-    if name in scenarios():
-        with scenario_file(name) as path:
-            return path
-    raise unknown("scenario", name, scenarios())
+        return replay.load(Path(name))
+    if name not in scenarios():
+        raise unknown("scenario", name, scenarios())
+    with scenario_file(name) as path:
+        return dataclasses.replace(replay.load(path), file=Path(name))
