@@ -10,11 +10,12 @@ from typing import NamedTuple
 from simulators.objects import Address, Object, Rejected
 from simulators.resources import od_file
 from simulators.services import Service, State
+from simulators.services import cob_id as cob_ids
 from simulators.slave import Slave
 from simulators.wire import Frame
 
-INVALID = 1 << 31
 FIELD_LENGTH = 5  # bytes of the manufacturer-specific error field
+BIT_30 = 1 << 30
 
 Key = tuple[int, int]  # emergency error code, manufacturer-specific error field
 
@@ -104,6 +105,8 @@ class EmcyProducer(Service):
         }
         if self._depth:
             history[0x1003, 0] = Object(read=lambda: len(self.log.history), write=self._erase)
+        if self.slave.has(0x1014):
+            history[0x1014, 0] = Object(write=self._check_cob_id)
         return {(0x1001, 0): Object(read=lambda: self.log.register), **history}
 
     def on_state(self, state: State) -> None:
@@ -136,12 +139,17 @@ class EmcyProducer(Service):
     def _send(self) -> None:
         cob_id = self.slave.number(0x1014) if self.slave.has(0x1014) else 0x80 + self.slave.node_id
         unsent, self.log.unsent = self.log.unsent, []
-        if cob_id & INVALID:
+        if cob_id & cob_ids.INVALID:
             return
         for emcy in unsent:
             register = self.log.register if emcy.code else emcy.register
             data = emcy.code.to_bytes(2, "little") + bytes([register]) + emcy.field
             self.slave.wire.put(Frame(cob_id & 0x7FF, data))
+
+    def _check_cob_id(self, value: int) -> None:
+        if value & BIT_30:
+            raise Rejected("bit 30 of an emergency is always 0")
+        cob_ids.check_change(self.slave.number(0x1014), value)
 
     @property
     def _depth(self) -> int:
