@@ -1,29 +1,15 @@
 """A test bench: twins and a canopen master in one process, in simulated time, without a thread."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import canopen
 
 from simulators import devices
 from simulators.device import Device
-from simulators.segment import Segment
+from simulators.segment import Record, Segment
 from simulators.twin import Twin
 from simulators.wire import Frame, PeriodicFrame
-
-
-class Record(NamedTuple):
-    """One frame on the bench's bus."""
-
-    time: float
-    """Seconds of the bench's clock."""
-    frame: Frame
-    sender: str
-    """The name of the twin that sent it; empty for what came from a master or by hand."""
-
-    def __str__(self) -> str:
-        """As `candump -L` writes it, with simulated time."""
-        return f"({self.time:017.6f}) can0 {self.frame}"
 
 
 class Bench:
@@ -88,7 +74,7 @@ class Bench:
 
     def _sent(self, start: int) -> list[str]:
         records: Sequence[Record] = self.trace[start:]
-        return [str(record.frame) for record in records if record.sender]
+        return [str(record.frame) for record in records if record.sender in self.twins]
 
     def __getitem__(self, name: str) -> Twin:
         return self.twins[name]

@@ -37,7 +37,7 @@ class Node:
         self._stack: Stack | None = None  # none: silent, whatever the reason
         self._before: Slave | None = None
         self._afresh = True  # the next boot is one of the application, not of communication alone
-        self._log = EmcyLog()
+        self.log = EmcyLog()
         self._cycle = microseconds(device.cycle)
         self._stepped = clock.ticks
         self._wake: float = inf
@@ -82,7 +82,7 @@ class Node:
     def receive(self, frame: Frame) -> None:
         """Take a frame from the bus; what the node sends is in the outbox afterwards."""
         stack = self._stack
-        if stack is None or frame.extended:
+        if stack is None or frame.extended or self.wire.shut:
             return
         handlers = stack.routes.get((frame.can_id, frame.remote))
         if handlers is None:
@@ -173,10 +173,10 @@ class Node:
         scope = Scope(self.clock, self._on_time)
         slave = Slave(device.dictionary(), device.node_id, self.wire, scope, device.profile)
         if self._afresh:
-            self._log = EmcyLog()
+            self.log = EmcyLog()
         elif self._before is not None:
             slave.keep_application(self._before)
-        self._stack = Stack(slave, device, self._log)
+        self._stack = Stack(slave, device, self.log)
         area = EVERYTHING if self._afresh else COMMUNICATION_AREA
         recall(slave, device.memory, device.stored, area)
         self._stack.boot_up()

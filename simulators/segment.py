@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable
+from typing import NamedTuple
 
 from simulators.clock import Clock
 from simulators.device import Device
@@ -10,7 +11,21 @@ from simulators.node import Node
 from simulators.wire import Frame, Outbox, Wire
 
 Listener = Callable[[Frame, str], None]
-"""Called with a frame and the name of the node that sent it, empty for one from outside."""
+"""Called with a frame and the name of who sent it, empty for one from outside."""
+
+
+class Record(NamedTuple):
+    """One frame on a segment."""
+
+    time: float
+    """Seconds of the segment's clock."""
+    frame: Frame
+    sender: str
+    """The name of the node or master that sent it; empty for one from outside."""
+
+    def __str__(self) -> str:
+        """As `candump -L` writes it, with the time of the segment."""
+        return f"({self.time:017.6f}) can0 {self.frame}"
 
 
 class Segment:
@@ -36,8 +51,16 @@ class Segment:
         self.nodes.append(node)
         return node
 
+    def master(self, name: str) -> Wire:
+        """An end of the bus for somebody who is no node: `put` frames there, then `deliver`.
+
+        Unlike frames from outside, theirs carry a name: whoever brings the segment to a real bus
+        takes them along.
+        """
+        return Wire(self.clock, self._outbox, name)
+
     def send(self, frame: Frame) -> None:
-        """Put a frame on the bus that comes from none of the nodes; the answers are out after."""
+        """Put a frame on the bus that comes from outside; the answers are out after."""
         self._foreign.put(frame)
         self.deliver()
 

@@ -58,6 +58,7 @@ class Slave(LocalNode):
                 self.dummies[index] = len(item)
             else:
                 self._add(index, item)
+        wire.shut = False
         for other in list(wire):
             del wire[other]
         wire[node_id] = self
@@ -82,7 +83,7 @@ class Slave(LocalNode):
             KeyError: the dictionary has no such entry.
         """
         for (index, subindex), acts in objects.items():
-            self.entries[index][subindex].acts.append(acts)
+            self.entries[index][subindex].bind(acts)
 
     def entry(self, index: int, subindex: int) -> Entry:
         """The entry at an address.

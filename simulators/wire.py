@@ -81,11 +81,13 @@ class Wire(canopen.Network):
         super().__init__()
         self.clock = clock
         self.name = name
+        self.shut = False  # off the bus for a while: nothing goes out, nothing comes in
         self.outbox: Outbox = deque() if outbox is None else outbox
 
     def put(self, frame: Frame) -> None:
         """Send a frame."""
-        self.outbox.append((self, frame))
+        if not self.shut:
+            self.outbox.append((self, frame))
 
     def send_message(self, can_id: int, data: Sequence[int], remote: bool = False) -> None:
         """What canopen calls to send."""

@@ -43,8 +43,8 @@ class Probe(Device):
 
     @property
     def faults(self):
-        code = Parameter("emergency error code, 0x0001..0xffff")
-        register = Parameter("bits of the error register", 0x01)
+        code = Parameter("emergency error code, 0x0001..0xffff", kind=int)
+        register = Parameter("bits of the error register", 0x01, int)
         return {
             "error": Fault(
                 "An error until it is cleared.",
@@ -53,7 +53,9 @@ class Probe(Device):
                 {"code": code, "register": register},
             ),
             "level": Fault(
-                "The level jumps.", self._set, parameters={"value": Parameter("what it jumps to")}
+                "The level jumps.",
+                self._set,
+                parameters={"value": Parameter("what it jumps to", kind=int)},
             ),
         }
 

@@ -124,3 +124,20 @@ def test_the_trace_has_the_frame_that_brought_a_bug_to_light(pair):
     with pytest.raises(KeyError):
         pair.send("606#4003210000000000")
     assert str(pair.trace[-1].frame) == "606#4003210000000000"
+
+
+def test_a_master_on_the_segment_is_heard_by_its_name_and_by_the_nodes():
+    segment, heard = Segment(), []
+    segment.node(Probe(5), "probe").power_on()
+    segment.deliver()
+    segment.listeners.append(lambda frame, sender: heard.append((str(frame), sender)))
+    segment.master("tester").put(Frame.parse("605#4000100000000000"))
+    segment.deliver()
+    assert heard == [("605#4000100000000000", "tester"), ("585#4300100000000000", "probe")]
+
+
+def test_what_the_twins_have_sent_is_not_what_a_master_has_sent():
+    bench = Bench.of({"probe": Probe(5)})
+    bench.segment.master("tester").put(Frame.parse("000#0105"))
+    bench.segment.deliver()
+    assert bench.sent == ["705#00", "185#000000"]

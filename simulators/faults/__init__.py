@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from simulators.errors import UserError, unknown
+from simulators.kinds import convert
 
 
 @dataclass(frozen=True)
@@ -16,6 +17,7 @@ class Parameter:
 
     text: str
     default: int | float | str | None = None
+    kind: type[int] | type[float] | type[str] = float
 
 
 @dataclass(frozen=True)
@@ -43,7 +45,7 @@ class Faults:
         """Let something go wrong; a fault that is active already is replaced.
 
         Raises:
-            UserError: no such fault, an unknown parameter, or one that is missing.
+            UserError: no such fault, an unknown or missing parameter, or a wrong value.
         """
         fault = self._find(name)
         values = arguments(name, fault, given)
@@ -79,15 +81,25 @@ def arguments(name: str, fault: Fault, given: Mapping[str, Any]) -> dict[str, An
     """The parameters a fault is injected with: those given over the defaults.
 
     Raises:
-        UserError: an unknown parameter, or one that is missing.
+        UserError: an unknown parameter, one that is missing, or a value of the wrong kind.
     """
-    for parameter in given:
-        if parameter not in fault.parameters:
-            raise unknown(f"parameter of fault {name!r}", parameter, fault.parameters)
-    values = {key: told.default for key, told in fault.parameters.items()} | dict(given)
+    values = {key: told.default for key, told in fault.parameters.items()}
+    values |= {key: argument(name, fault, key, value) for key, value in given.items()}
     for parameter, value in values.items():
         if value is None:
             raise UserError(
                 f"fault {name!r} wants {parameter!r}: {fault.parameters[parameter].text}"
             )
     return values
+
+
+def argument(name: str, fault: Fault, parameter: str, value: object) -> Any:
+    """One parameter as the fault takes it.
+
+    Raises:
+        UserError: the fault has no such parameter, or the value is of the wrong kind.
+    """
+    if parameter not in fault.parameters:
+        raise unknown(f"parameter of fault {name!r}", parameter, fault.parameters)
+    kind = fault.parameters[parameter].kind
+    return convert(f"parameter {parameter!r} of fault {name!r}", value, kind)

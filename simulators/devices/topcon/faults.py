@@ -23,7 +23,7 @@ RAILS: Mapping[str, str] = {
 }
 SENSORS: Mapping[str, int] = {"rectifier": 0x50, "igbt": 0x51, "inside": 0x55}  # Tab. 71
 MAINS = range(100, 601)
-NUMBER = {"number": Parameter("error number of chapter 8, 0x00..0x1ff")}
+NUMBER = {"number": Parameter("error number of chapter 8, 0x00..0x1ff", kind=int)}
 
 
 def faults(device: Device) -> Mapping[str, Fault]:
@@ -49,7 +49,7 @@ def faults(device: Device) -> Mapping[str, Fault]:
         ),
         "sense_offset": Fault(
             "The voltage at the sense lines differs from that at the terminals (EMCY 3300, 31).",
-            lambda volts: setattr(device.stage, "sense_offset", float(volts)),
+            lambda volts: setattr(device.stage, "sense_offset", volts),
             lambda volts: _restore(device, "sense_offset"),
             {"volts": Parameter("difference in V; 5 % of the nominal voltage are tolerated")},
         ),
@@ -61,15 +61,15 @@ def faults(device: Device) -> Mapping[str, Fault]:
         ),
         "supply": Fault(
             "A supply inside the unit leaves its range of 10 % (EMCY 3200, 43..48, 4B, 4C).",
-            lambda rail, volts: setattr(device.stage, _one_of(RAILS, "rail", rail), float(volts)),
+            lambda rail, volts: setattr(device.stage, _one_of(RAILS, "rail", rail), volts),
             lambda rail, volts: _restore(device, RAILS[rail]),
-            {"rail": Parameter(", ".join(RAILS)), "volts": Parameter("its voltage in V")},
+            {"rail": Parameter(", ".join(RAILS), kind=str), "volts": Parameter("its voltage in V")},
         ),
         "overtemperature": Fault(
             "A temperature sensor is above its limit (EMCY 4200).",
             lambda sensor: device.stage.trip(_one_of(SENSORS, "sensor", sensor), held=True),
             lambda sensor: device.stage.release(SENSORS[sensor]),
-            {"sensor": Parameter(", ".join(SENSORS), "igbt")},
+            {"sensor": Parameter(", ".join(SENSORS), "igbt", str)},
         ),
         "error": Fault(
             "Any error of the unit; its cause is gone at once, the error stays until the reset.",
@@ -85,7 +85,7 @@ def faults(device: Device) -> Mapping[str, Fault]:
         "card_error": Fault(
             "An error of the CAN card: told, but the output goes on.",
             lambda code: device.card_errors.add(card_error(code)),
-            parameters={"code": Parameter("0x5000, 0x8110, 0x8111, 0x8112 or 0x8200")},
+            parameters={"code": Parameter("0x5000, 0x8110, 0x8111, 0x8112 or 0x8200", kind=int)},
         ),
         "warning": Fault(
             "A warning of the unit: bit 14 of 0x2023 until the reset, no EMCY.",
@@ -116,4 +116,4 @@ def _one_of(known: Mapping[str, Meaning], what: str, word: str) -> Meaning:
 def _mains(volts: float) -> float:
     if not MAINS[0] <= volts <= MAINS[-1]:
         raise UserError(f"mains of {volts} V: 100..600 V; without mains the unit is off")
-    return float(volts)
+    return volts

@@ -19,35 +19,26 @@ CARD: Mapping[int, Emcy] = {
 PROTOCOL_ERROR = CARD[0x8200]  # Tab. 82: a parameter exceeds its limit
 
 
-def unit_error(number: int | str) -> int:
-    """An error number of the unit, given as a number or as text such as 0x23.
+def unit_error(number: int) -> int:
+    """An error number of the unit.
 
     Raises:
         UserError: chapter 8 has none of this number.
     """
-    value = _number(number)
-    if value not in UNIT:
-        raise UserError(f"no unit error {number}: chapter 8 has 0x00..0x1ff without 0x14d")
-    return value
+    if number not in UNIT:
+        raise UserError(f"no unit error {number:#x}: chapter 8 has 0x00..0x1ff without 0x14d")
+    return number
 
 
-def card_error(code: int | str) -> int:
+def card_error(code: int) -> int:
     """The code of an error of the card.
 
     Raises:
         UserError: the card has none of this code.
     """
-    value = _number(code)
-    if value not in CARD:
-        raise UserError(f"no card error {code}: there is {', '.join(map(hex, CARD))}")
-    return value
-
-
-def _number(text: int | str) -> int:
-    try:
-        return int(text, 0) if isinstance(text, str) else text
-    except ValueError:
-        raise UserError(f"{text!r} is no number: write it as 0x23 or 35") from None
+    if code not in CARD:
+        raise UserError(f"no card error {code:#x}: there is {', '.join(map(hex, CARD))}")
+    return code
 
 
 class CardErrors:

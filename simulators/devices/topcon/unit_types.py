@@ -1,6 +1,7 @@
 """Unit types from od/topcon_units.yaml and a file of the user's; a stage of such a type."""
 
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -57,11 +58,16 @@ def find(name: str, extra: str = "") -> UnitType:
     Raises:
         UserError: there is none, or a file is not what it should be.
     """
-    with od_file("topcon_units.yaml") as shipped:
-        known = {**_read(shipped), **(_read(Path(extra)) if extra else {})}
+    known = {**_shipped(), **(_read(Path(extra)) if extra else {})}
     if name not in known:
         raise unknown("unit type", name, known)
     return known[name]
+
+
+@cache
+def _shipped() -> Mapping[str, UnitType]:
+    with od_file("topcon_units.yaml") as path:
+        return _read(path)
 
 
 def _read(path: Path) -> Mapping[str, UnitType]:

@@ -100,7 +100,7 @@ class OutputStage(Plant):
                 self.coast(ticks)
             else:
                 self.flow(ticks)
-            self._supervise(ticks)
+            self._supervise()
             self.mains_before = self.mains
             self._look_ahead()
             self._owed -= ticks
@@ -110,12 +110,12 @@ class OutputStage(Plant):
         self._ahead = min(ahead, self._boot_left or inf)
         self._calm = inputs_of(self) if ahead else None
 
-    def _supervise(self, ticks: int) -> None:
+    def _supervise(self) -> None:
         if self.state is State.POWERUP:
             if not self._boot_left:
                 self._fire(Event.BOOTED)
             return
-        self._latches.step(self, ticks)
+        self._latches.step(self)
         self._follow_latches()
 
     @property
@@ -129,7 +129,8 @@ class OutputStage(Plant):
             self._fire(Event.WARN)
 
     def _fire(self, event: Event) -> None:
-        before, self.state = self.state, TRANSITIONS[self.state].get(event, self.state)
-        if self.state is not before:
+        was_running = self.running
+        self.state = TRANSITIONS[self.state].get(event, self.state)
+        if self.running is not was_running:
             self.circuit.disturb()
             self._calm = None
