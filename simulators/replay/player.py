@@ -5,11 +5,12 @@ from collections.abc import Mapping
 from functools import partial
 
 from simulators.clock import MICROSECONDS, microseconds
+from simulators.decode import Decoder
 from simulators.errors import UserError
 from simulators.node import Node
 from simulators.replay.master import Master
 from simulators.replay.scenario import Expectation, Scenario, Stage, Step
-from simulators.replay.verdict import Finding, Kind, Outcome, Scene, Verdict
+from simulators.replay.verdict import Finding, Heard, Kind, Outcome, Scene, Verdict
 from simulators.replay.window import Window
 from simulators.segment import Record, Segment
 from simulators.wire import Frame
@@ -26,6 +27,7 @@ class Player:
         self._clock = segment.clock
         self._nodes = nodes
         self._master = Master(segment)
+        self._decoder = Decoder(nodes.values())
         self._begin = self._clock.ticks
         self._left = deque(scenario.steps)
         self._windows: list[Window] = []
@@ -105,7 +107,8 @@ class Player:
 
     def _scene(self, node: Node) -> Scene:
         faults = {name: dict(values) for name, values in node.faults.active.items()}
-        return Scene(node.state, faults, node.device.report, tuple(self._recent))
+        frames = [Heard(record, self._decoder.words(record.frame)) for record in self._recent]
+        return Scene(node.state, faults, node.device.report, tuple(frames))
 
     def _time(self, tick: int) -> float:
         return (tick - self._begin) / MICROSECONDS

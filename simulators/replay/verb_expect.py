@@ -23,11 +23,11 @@ def parse_expect(item: Item, rehearsal: Rehearsal) -> Expectation:
     """One kind, and the seconds it may take: `{emcy: none, within: 0.5}`."""
     fields = item.fields((), (*KINDS, "within"))
     kind = item.choice("expect", fields, KINDS)
-    if "within" in fields:
-        return KINDS[kind](fields[kind], fields["within"].seconds, rehearsal)
-    if kind != "value":
+    if "within" not in fields and kind != "value":
         item.problems.add(item.mark, "'within' is missing: the seconds it may take")
-    return KINDS[kind](fields[kind], 0.0, rehearsal)
+    within = fields["within"].seconds if "within" in fields else 0.0
+    with fields[kind].blamed():
+        return KINDS[kind](fields[kind], within, rehearsal)
 
 
 def parse_emcy(item: Item, within: float, rehearsal: Rehearsal) -> Expectation:
@@ -81,13 +81,18 @@ def _wanted(target: Target, item: Item) -> Range | Text:
     if not item.is_mapping:
         return Range(item.number, item.number, _is_hexadecimal(item))
     fields = item.fields((), ("is", "within", "min", "max"))
-    numbers = {key: field.number for key, field in fields.items()}
+    low, high = _ends(item, {key: field.number for key, field in fields.items()})
+    if low > high:
+        raise item.wrong(f"no value is in {low}..{high}")
+    return Range(low, high, any(map(_is_hexadecimal, fields.values())))
+
+
+def _ends(item: Item, numbers: Mapping[str, float]) -> tuple[float, float]:
     if "is" in numbers and not numbers.keys() & {"min", "max"}:
-        middle, width = numbers["is"], numbers.get("within", 0)
-        return Range(middle - width, middle + width, _is_hexadecimal(fields["is"]))
+        width = numbers.get("within", 0)
+        return numbers["is"] - width, numbers["is"] + width
     if numbers and not numbers.keys() & {"is", "within"}:
-        hexadecimal = any(map(_is_hexadecimal, fields.values()))
-        return Range(numbers.get("min", -inf), numbers.get("max", inf), hexadecimal)
+        return numbers.get("min", -inf), numbers.get("max", inf)
     raise item.wrong("wanted is {is: 5}, {is: 5, within: 1}, {min: 4}, {max: 6} or both of these")
 
 

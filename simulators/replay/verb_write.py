@@ -64,7 +64,7 @@ def _answer(code: int | None) -> str:
 
 
 def parse_write(item: Item, rehearsal: Rehearsal, abort: Item | None = None) -> Action:
-    """`{Run command: 1}`, `{0x1800:2: 253}`; with `abort` the one object is refused."""
+    """`{Run command: 1}`, `{0x1800:02: 253}`; with `abort` the one object is refused."""
     code = ACCEPTED if abort is None else abort.whole_up_to(HIGHEST_CODE)
     if code and len(item.pairs) > 1:
         raise item.wrong("one object at a time can be refused; make it several steps")

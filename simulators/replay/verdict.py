@@ -25,6 +25,16 @@ class Finding(NamedTuple):
     seen: str
 
 
+class Heard(NamedTuple):
+    """A frame on the bus, and what it means."""
+
+    record: Record
+    words: str
+
+    def __str__(self) -> str:
+        return f"{self.record}  {self.words}".rstrip()
+
+
 class Scene(NamedTuple):
     """How things stood at a moment."""
 
@@ -34,14 +44,14 @@ class Scene(NamedTuple):
     """Active faults with their parameters."""
     report: Mapping[str, object]
     """What a look at the model shows."""
-    frames: tuple[Record, ...]
-    """The last frames on the bus, with the times of the scenario."""
+    frames: tuple[Heard, ...]
+    """The last ones, with the times of the scenario."""
 
     def __str__(self) -> str:
         faults = ", ".join(_call(*fault) for fault in self.faults.items()) or "none"
         report = ", ".join(f"{name} {value}" for name, value in self.report.items())
         told = [f"node {self.state}; faults: {faults}", *([report] if report else [])]
-        return "\n".join([*told, *(f"{record}  {record.sender}" for record in self.frames)])
+        return "\n".join([*told, *map(str, self.frames)])
 
 
 def _call(name: str, parameters: Mapping[str, Any]) -> str:
