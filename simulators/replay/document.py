@@ -118,6 +118,13 @@ class Item:
                     raise pair.key.wrong(f"{again}; leave one of them out")
         return pairs
 
+    @property
+    def some_pairs(self) -> Mapping[str, Pair]:
+        """The same, where nothing at all would say nothing."""
+        if not (pairs := self.pairs):
+            raise self.wrong("empty; at least one key with a value is wanted here")
+        return pairs
+
     def fields(self, required: Collection[str], optional: Iterable[str] = ()) -> dict[str, "Item"]:
         """The values of known keys.
 

@@ -19,7 +19,10 @@ SHOWN = 12  # frames before something that went wrong
 
 
 class Player:
-    """Puts every step on the clock; `nodes` are those of the scenario, by its names."""
+    """Puts every step on the clock; `nodes` are those of the scenario, by its names.
+
+    Started before their power is switched on, it hears them boot.
+    """
 
     def __init__(self, scenario: Scenario, segment: Segment, nodes: Mapping[str, Node]) -> None:
         self.scenario = scenario

@@ -35,13 +35,9 @@ def parse_emcy(item: Item, within: float, rehearsal: Rehearsal) -> Expectation:
     if not item.is_mapping:
         item.one_of("EMCY", [NONE])
         return Never(within, EmcyLike())
-    fields = item.fields((), EMCY_FIELDS)
-    if not item.pairs:
-        raise item.wrong("which EMCY? wanted is code, register, detail or some of them")
-    return Comes(
-        within,
-        EmcyLike(**{name: field.whole_up_to(EMCY_FIELDS[name]) for name, field in fields.items()}),
-    )
+    fields = item.fields((), EMCY_FIELDS) if item.some_pairs else {}
+    told = {name: field.whole_up_to(EMCY_FIELDS[name]) for name, field in fields.items()}
+    return Comes(within, EmcyLike(**told))
 
 
 def parse_frame(item: Item, within: float, rehearsal: Rehearsal) -> Expectation:
@@ -68,7 +64,7 @@ def parse_silence(item: Item, within: float, rehearsal: Rehearsal) -> Expectatio
 def parse_value(item: Item, within: float, rehearsal: Rehearsal) -> Expectation:
     """`{Actual voltage: 1340}`, `{0x2020: {is: 1340, within: 2}}`, `{0x2020: {min: 1, max: 9}}`."""
     wanted = []
-    for pair in item.pairs.values():
+    for pair in item.some_pairs.values():
         with item.problems.at(pair.key):
             target = rehearsal.targets.find(pair.key)
             wanted.append((target, _wanted(target, pair.value)))

@@ -57,6 +57,8 @@ def test_a_step_has_a_time_and_one_verb(problem, step, wrong):
         ("{at: 1, clear: eror}", "4:20: unknown fault 'eror': did you mean 'error'?"),
         ("{at: 1, set: {node_id: 6}}", "4:28: setting 'node_id' is taken over at power-on only"),
         ("{at: 1, set: {self: 6}}", "4:19: unknown setting 'self'"),
+        ("{at: 1, set: {}}", "4:18: empty; at least one key"),
+        ("{at: 1, inject: {}}", "4:21: empty; at least one key"),
         ("{at: 1, set: open}", "4:18: a key with a value is wanted here"),
     ],
 )
@@ -89,6 +91,7 @@ def test_what_a_verb_does_not_understand_is_pointed_at(problem, step, wrong):
         ("{Domain: 1}", "4:21: objects of data type 0x000f cannot be written here"),
         ("{Read only: 1}", "4:21: 'Read only' is read only; if that is the point, put abort:"),
         ("{Byte: {a: 1}}", "4:27: one value is wanted here, not several"),
+        ("{}", "4:20: empty; at least one key with a value is wanted here"),
         ("Byte", "4:20: a key with a value is wanted here"),
     ],
 )
@@ -99,6 +102,7 @@ def test_only_what_an_object_takes_is_written(problem, written, wrong):
 @pytest.mark.parametrize(
     ("step", "wrong"),
     [
+        ("{at: 1, write: {Byte: 1}, abort: 0}", "4:38: 0 is no abort code; they look like"),
         ("{at: 1, write: {Byte: 1}, abort: -1}", "4:38: -1 is not in 0..0xffffffff"),
         ("{at: 1, write: {Byte: 256}, abort: 1}", "4:27: 256 is not in 0..255"),
         ("{at: 1, write: {Byt: 256}, abort: 1}", "4:21: unknown object 'Byt'"),
@@ -118,7 +122,7 @@ def test_a_write_that_shall_be_refused_has_its_rules_too(problem, step, wrong):
         ("{emcy: none}", "4:21: 'within' is missing: the seconds it may take"),
         ("{emcy: none, within: -1}", "4:42: -1 s is not in 0..86400 s"),
         ("{emcy: any, within: 1}", "4:28: unknown EMCY 'any': there is none"),
-        ("{emcy: {}, within: 1}", "4:28: which EMCY? wanted is code, register, detail or some"),
+        ("{emcy: {}, within: 1}", "4:28: empty; at least one key with a value is wanted here"),
         ("{emcy: {cod: 1}, within: 1}", "4:29: unknown key 'cod': did you mean 'code'?"),
         ("{emcy: {code: 0x10000}, within: 1}", "4:35: 0x10000 is not in 0..0xffff"),
         ("{emcy: {register: 256}, within: 1}", "4:39: 256 is not in 0..0xff"),
@@ -126,6 +130,7 @@ def test_a_write_that_shall_be_refused_has_its_rules_too(problem, step, wrong):
         ("{frame: '185#3', within: 1}", "4:29: '185#3': data are"),
         ("{heartbeat: operating, within: 1}", "4:33: unknown heartbeat 'operating': did you mean"),
         ("{silence: false, within: 1}", "4:31: unknown silence 'false': there is true"),
+        ("{value: {}}", "4:29: empty; at least one key"),
         ("{value: {Byt: 1}}", "4:30: unknown object 'Byt': did you mean 'Byte'?"),
         ("{value: {Byte: one}}", "4:36: 'one' is no number"),
         ("{value: {Byte: {}}}", "4:36: wanted is {is: 5}, {is: 5, within: 1}, {min: 4}"),

@@ -1,4 +1,9 @@
+from contextlib import suppress
+from pathlib import Path
+
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from simulators.replay import ScenarioError, load
 from simulators.replay.yaml_nodes import LARGEST_FILE
@@ -18,7 +23,7 @@ from .conftest import HEAD
         ("a: &b 1\nc: *b", "1:4: there are no anchors and aliases here: write it out"),
         ("a: !!python/name:os.system x", "1:4: there are no tags here: leave"),
         ("a: !!str 5", "1:4: there are no tags here: leave 'tag:yaml.org,2002:str' out"),
-        ("[" * 5000, "1:1: nested too deeply; a scenario has five levels"),
+        ("[" * 1500, "1:1: nested too deeply; a scenario has five levels"),
     ],
 )
 def test_what_is_no_yaml_of_ours_is_pointed_at(problems, text, problem):
@@ -95,3 +100,18 @@ def test_what_cannot_be_opened_is_told_in_one_line(tmp_path):
 def test_a_large_mistake_is_many_lines_and_one_error(problems):
     found = problems(HEAD + "  - {at: 1, do: it}\n" * 500)
     assert len(found) == 500
+
+
+SHIPPED = Path(__file__).parents[2].joinpath("scenarios", "topcon_interlock.yaml").read_text()
+PIECES = ["{", "}", "[", "]", ": ", "- ", "\n", "'", "#", "0x", "-", "null", "off", "expect", "set"]
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.integers(0, len(SHIPPED)), st.integers(0, 12), st.sampled_from(PIECES) | st.text())
+def test_whatever_a_slip_makes_of_a_file_is_told_in_lines_with_their_places(
+    tmp_path_factory, at, length, piece
+):
+    path = tmp_path_factory.mktemp("slip") / "story.yaml"
+    path.write_bytes((SHIPPED[:at] + piece + SHIPPED[at + length :]).encode("utf-8", "ignore"))
+    with suppress(ScenarioError):
+        load(path)

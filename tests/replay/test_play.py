@@ -40,8 +40,8 @@ steps:
   - {at: 0.0505, send: 181#R}
 """
 LOOKS = "".join(
-    f"  - {{at: {at / 1000}, expect: {{value: {{Actual voltage: 9}}, within: {at / 70}}}}}\n"
-    for at in range(51, 300, 3)
+    f"  - {{at: {at / 1000}, expect: {{value: {{Actual voltage: 9}}, within: {at / 300}}}}}\n"
+    for at in range(51, 300, 9)
 )
 LATER = "  - {at: 3, send: 181#R}\n"
 
