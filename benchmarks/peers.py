@@ -1,4 +1,4 @@
-"""What the twins are measured against: canopen's `LocalNode`, as shipped, over the same EDS."""
+"""What the twins are measured against: canopen's `LocalNode`, as shipped, with the same EDS."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -31,7 +31,8 @@ def local_node() -> canopen.LocalNode:
 
 def muted() -> canopen.Network:
     """A network with that node, to be notified of frames by hand."""
-    network = canopen.Network(Mute())
+    bus: Any = Mute()
+    network = canopen.Network(bus)
     network.add_node(local_node())
     return network
 
@@ -47,7 +48,7 @@ def master(channel: str) -> Iterator[canopen.RemoteNode]:
 @contextmanager
 def virtual(channel: str) -> Iterator[canopen.RemoteNode]:
     """The same, with the `LocalNode` on the bus."""
-    with canopen.Network().connect(interface="virtual", channel=channel) as network:
-        network.add_node(local_node())
-        with master(channel) as remote:
-            yield remote
+    network = canopen.Network().connect(interface="virtual", channel=channel)
+    network.add_node(local_node())
+    with network, master(channel) as remote:
+        yield remote

@@ -8,7 +8,7 @@ from simulators.services import cob_id as cob_ids
 from simulators.services.mapping import Mapped, MappingRules, mapped
 from simulators.slave import Slave
 
-COB_ID, TRANSMISSION_TYPE, INHIBIT_TIME, EVENT_TIMER = 1, 2, 3, 5
+COB_ID, TRANSMISSION_TYPE = 1, 2  # sub-indices
 SYNCHRONOUS = range(241)
 PDO_COUNT = 512
 DEFAULT_SYNC = 0x80
