@@ -1,7 +1,7 @@
 import pytest
 from probe import Probe
 
-from simulators import Bench, devices
+from simulators import Bench, UserError, devices
 from simulators.replay import Kind, Player
 from simulators.segment import Segment
 from simulators.wire import Frame
@@ -117,6 +117,12 @@ def test_a_node_that_is_another_than_the_file_says_makes_an_error_of_what_it_ref
     ((kind, line, seen),) = stage.outcomes
     assert (kind, line) == (Kind.ERROR, 4)
     assert seen.startswith("unknown fault 'level'")
+
+
+def test_a_scenario_about_a_node_that_is_not_there_is_refused(story):
+    bench = Bench("topcon", node_id=5)
+    with pytest.raises(UserError, match=r"story\.yaml is about a probe; here is topcon"):
+        Player(story(STORY), bench.segment, {"topcon": bench.twin.node})
 
 
 def test_a_bench_plays_it_too_and_its_twins_have_sent_what_they_have_sent(story):

@@ -1,4 +1,5 @@
 from simulators.replay import Kind, Verdict, play
+from simulators.report import SHOWN
 
 
 def test_kinds_are_kept_apart_and_the_worst_one_counts(story):
@@ -49,21 +50,24 @@ def test_a_verdict_reads_as_a_report(story):
         f"  PASS      0.500000 s  {file}:5: EMCY 1000/xx/xx within 0.1 s: 1000/03/646C656966",
         f"  FAIL      1.000000 s  {file}:6: Word 0x0005 at once: Word is 0x1234",
         "        note: It cannot be both.",
-        "        node PRE-OPERATIONAL; faults: error(code=4096, register=3)",
-        "        (0000000000.000000) can0 705#00  boot-up",
-        "        (0000000000.500000) can0 085#0010036669656C64  EMCY 1000h register 03h",
+        "            0.000000  probe       705#00                 boot-up",
+        "            0.500000  probe       085#0010036669656C64   EMCY 1000h register 03h",
+        "        probe: node 5, PRE-OPERATIONAL",
+        "          faults: error(code=4096, register=3)",
     ]
 
 
-def test_the_last_frames_before_something_went_wrong_are_shown(story):
+def test_the_scene_is_that_of_the_moment_it_went_wrong(story):
     verdict = play(
         story(
             """\
             - {at: 0, write: {Producer heartbeat: 10}}
             - {at: 1, expect: {heartbeat: stopped, within: 1}}
+            - {at: 3, nmt: stop}
             """
         )
     )
-    frames = verdict.outcomes[0].scene.frames
-    assert [round(heard.record.time, 6) for heard in frames] == [n / 100 for n in range(189, 201)]
-    assert {heard.words for heard in frames} == {"heartbeat pre-operational"}
+    *frames, state, faults = verdict.outcomes[0].scene.splitlines()
+    times = [float(line.split()[0]) for line in frames]
+    assert (len(times), times[-1]) == (SHOWN, 2.0)
+    assert (state, faults) == ("probe: node 5, PRE-OPERATIONAL", "  faults: none")
