@@ -62,7 +62,7 @@ def parse_silence(item: Item, within: float, rehearsal: Rehearsal) -> Expectatio
 
 
 def parse_value(item: Item, within: float, rehearsal: Rehearsal) -> Expectation:
-    """`{Actual voltage: 1340}`, `{0x2020: {is: 1340, tolerance: 2}}`, `{0x2020: {min: 1, max: 9}}`."""
+    """`{Actual voltage: 1340}`, `{0x2020: {is: 9, tolerance: 2}}`, `{0x2020: {min: 1, max: 9}}`."""
     wanted = []
     for pair in item.some_pairs.values():
         with item.problems.at(pair.key):
@@ -89,7 +89,9 @@ def _ends(item: Item, numbers: Mapping[str, float]) -> tuple[float, float]:
         return numbers["is"] - width, numbers["is"] + width
     if numbers and not numbers.keys() & {"is", "tolerance"}:
         return numbers.get("min", -inf), numbers.get("max", inf)
-    raise item.wrong("wanted is {is: 5}, {is: 5, tolerance: 1}, {min: 4}, {max: 6} or both of these")
+    raise item.wrong(
+        "wanted is {is: 5}, {is: 5, tolerance: 1}, {min: 4} or {max: 6} or both"
+    )
 
 
 def _is_hexadecimal(item: Item) -> bool:
