@@ -43,7 +43,7 @@ def load(name: str) -> replay.Scenario:
     """
     if name in scenarios() and not Path(name).exists():
         with scenario_file(name) as path:
-            return replay.load(path)
+            return replay.load(path.resolve())
     if not Path(name).exists() and Path(name).name == name:
         raise unknown("scenario", name, scenarios())
     return replay.load(Path(name))
