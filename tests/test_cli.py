@@ -128,3 +128,26 @@ steps:
     done = subprocess.run([*RUN, "--scenario", story], capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert "FAIL" in done.stdout
+
+
+def test_a_scenario_brings_its_settings_and_the_command_line_has_the_last_word(tmp_path):
+    story = tmp_path / "story.yaml"
+    story.write_text("""\
+version: 1
+node: {device: topcon, node_id: 9, settings: {serial: 7, firmware: V1.2}}
+steps:
+  - at: 0.05
+    expect: {value: {Identity Object.Serial number: 8, 0x100A: V1.2}}
+""")
+    options = ["--scenario", str(story), "--set", "serial=8"]
+    done = subprocess.run([*RUN, *options], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert json.loads(done.stdout.splitlines()[0])["node_id"] == 5
+
+
+def test_a_scenario_of_another_device_is_refused(tmp_path, said):
+    story = tmp_path / "story.yaml"
+    story.write_text("version: 1\nnode: {device: topcon}\nsteps: []\n")
+    others = [name for name in devices.names() if name != "topcon"]
+    for name in others:
+        assert said("run", name, "--scenario", str(story), "-i", "virtual")[0] == 2

@@ -21,16 +21,15 @@ FAILED = 1
 
 def run(options: argparse.Namespace) -> int:
     """Serve until SIGTERM (0), SIGINT (130) or the end of the scenario (0, or 1 if it failed)."""
-    device = _device(options)
+    scenario = load(options.scenario) if options.scenario else None
+    device = _device(options, scenario)
     segment = Segment()
     node = segment.node(device, options.device)
-    player = None
-    if options.scenario:
-        player = replay.Player(load(options.scenario), segment, {options.device: node})
+    player = replay.Player(scenario, segment, {options.device: node}) if scenario else None
     stop = _Stop()
-    node.power_on()
     if player is not None:
         player.start()
+    node.power_on()
     serve(
         segment,
         lambda: _bus(options),
@@ -57,8 +56,10 @@ class _Stop:
         self.code = 128 + signal.SIGINT if number == signal.SIGINT else 0
 
 
-def _device(options: argparse.Namespace) -> Device:
-    settings: dict[str, object] = dict(_pair(text) for text in options.set)
+def _device(options: argparse.Namespace, scenario: replay.Scenario | None) -> Device:
+    """With the settings of the scenario, and those of the command line over them."""
+    part = scenario.nodes.get(options.device) if scenario else None
+    settings = {**(part.settings if part else {}), **dict(_pair(text) for text in options.set)}
     if options.node_id is not None:
         settings["node_id"] = options.node_id
     device = devices.create(options.device, **settings)
