@@ -75,7 +75,7 @@ def _entries(device: Device) -> Iterator[tuple[str, ...]]:
 
 
 def _entry(variable: Any) -> tuple[str, ...]:
-    limits = "" if variable.max is None else f"{variable.min or 0}..{variable.max}"
+    ends = ["" if end is None else str(end) for end in (variable.min, variable.max)]
     default = "" if variable.default is None else variable.default
     return (
         f"0x{variable.index:04X}:{variable.subindex:02X}",
@@ -83,7 +83,7 @@ def _entry(variable: Any) -> tuple[str, ...]:
         TYPES.get(variable.data_type, "?"),
         variable.access_type,
         f"0x{default:X}" if isinstance(default, int) and default > 9 else str(default),
-        limits,
+        "..".join(ends) if any(ends) else "",
     )
 
 
