@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 from simulators import replay
@@ -36,14 +37,14 @@ def check(options: argparse.Namespace) -> int:
 
 
 def load(name: str) -> replay.Scenario:
-    """A scenario from a file, or one that is shipped.
+    """A scenario from a file, or one that is shipped; verdicts call it as the user does.
 
     Raises:
         UserError: there is neither, or something is wrong with it.
     """
     if name in scenarios() and not Path(name).exists():
         with scenario_file(name) as path:
-            return replay.load(path.resolve())
+            return replace(replay.load(path), file=Path(name))
     if not Path(name).exists() and Path(name).name == name:
         raise unknown("scenario", name, scenarios())
     return replay.load(Path(name))
