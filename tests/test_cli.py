@@ -151,21 +151,13 @@ steps:
     assert "FAIL" in done.stdout
 
 
-def test_a_scenario_brings_its_settings_and_the_command_line_has_the_last_word(tmp_path):
-    story = tmp_path / "story.yaml"
-    story.write_text("""\
+STORY = """\
 version: 1
-node: {device: topcon, node_id: 9, settings: {serial: 7, firmware: V1.2}}
+node: {device: topcon, node_id: 5, settings: {serial: 77}}
 steps:
-  - at: 0.05
-    expect: {value: {Identity Object.Serial number: 8, 0x100A: V1.2}}
-""")
-    options = ["--scenario", str(story), "--set", "serial=8"]
-    done = subprocess.run([*RUN, *options], capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert json.loads(done.stdout.splitlines()[0])["node_id"] == 5
-
-
+  - at: 0
+    expect: {value: {0x1018:04: 77}}
+"""
 SAVE, STORED = (
     f"version: 1\nnode: {{device: topcon, node_id: 5}}\nsteps:\n  - at: 0\n    {step}\n"
     for step in (
@@ -187,6 +179,11 @@ def told(said, tmp_path):
     return run
 
 
+def test_a_run_takes_the_settings_of_its_scenario_unless_told_otherwise(told):
+    assert told(STORY)[0] == 0
+    assert told(STORY, "--set", "serial=78")[0] == 1
+
+
 def test_what_a_device_stores_is_there_in_the_next_run(told, tmp_path):
     memory = str(tmp_path / "memory")
     assert told(STORED, "--nvram", memory)[0] == 1
@@ -203,5 +200,5 @@ def test_a_memory_belongs_to_one_run_at_a_time(said, tmp_path):
 
 def test_a_run_leaves_the_signals_as_they_were(told):
     before = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
-    told(SAVE)
+    told(STORY)
     assert (signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)) == before
