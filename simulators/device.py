@@ -1,12 +1,14 @@
 """What a device says of itself; a new device overrides what it has, the rest is quiet."""
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from math import inf
 from typing import Any, ClassVar
 
 from canopen import ObjectDictionary
 
+from simulators.errors import UserError
 from simulators.faults import Fault
 from simulators.memory import Memory
 from simulators.objects import Address, Object, Rejected
@@ -18,6 +20,8 @@ from simulators.services.rpdo import Rpdo
 from simulators.services.tpdo import Tpdo
 from simulators.settings import changed, setting
 from simulators.slave import Slave, dictionary
+
+NODE_IDS = range(1, 128)
 
 
 @dataclass(frozen=True)
@@ -38,15 +42,17 @@ class Device:
     """File of od/, or a path."""
     title: ClassVar[str]
     """Maker, name and manual, for lists."""
-    Settings: ClassVar[type[Any]] = NodeSettings
+    settings_type: ClassVar[type[Any]] = NodeSettings
+    """The dataclass of its settings."""
     profile: Profile = Profile()
     cycle: float = 0.01
     """Seconds between two steps, whole microseconds."""
 
     def __init__(self, **given: object) -> None:
         """Raises `UserError` for settings that are unknown or of the wrong kind."""
-        self.settings: Any = changed(self.Settings(), given)
+        self.settings: Any = self.settings_type()
         self.memory = Memory()
+        self.configure(**given)
 
     @property
     def node_id(self) -> int:
@@ -110,6 +116,9 @@ class Device:
     def power_on(self) -> None:
         """Supply comes: everything volatile starts afresh."""
 
+    def power_off(self) -> None:
+        """Supply goes."""
+
     def reset_node(self) -> None:
         """NMT 81h: the application starts afresh."""
 
@@ -118,6 +127,9 @@ class Device:
 
     def on_state(self, state: State) -> None:
         """The node has entered an NMT state."""
+
+    def on_frame(self) -> None:
+        """A frame that this node listens to has come."""
 
     def on_heartbeat(self, node_id: int, alive: bool) -> None:
         """A node that 0x1016 watches has fallen silent, or is back."""
@@ -129,18 +141,40 @@ class Device:
         """Change settings while the device runs.
 
         Raises:
-            UserError: unknown, of the wrong kind, or taken over at power-on only.
+            UserError: unknown, of the wrong kind, or taken over at power-on only; the settings
+                are then as before.
         """
-        self.settings = changed(self.settings, given, live=True)
-        self.apply()
+        with self._trial(given, live=True):
+            self.apply()
 
     def configure(self, **given: object) -> None:
         """Change settings while the device is off.
 
         Raises:
-            UserError: unknown, or of the wrong kind.
+            UserError: unknown, of the wrong kind, or they do not go together; the settings are
+                then as before.
         """
-        self.settings = changed(self.settings, given)
+        with self._trial(given):
+            pass
+
+    @contextmanager
+    def _trial(self, given: Mapping[str, object], live: bool = False) -> Iterator[None]:
+        before, self.settings = self.settings, changed(self.settings, given, live=live)
+        try:
+            self.check()
+            yield
+        except UserError:
+            self.settings = before
+            raise
+
+    def check(self) -> None:
+        """Look at the settings as a whole, before they are taken over.
+
+        Raises:
+            UserError: right one by one, but not together; a node id outside 1..127.
+        """
+        if self.node_id not in NODE_IDS:
+            raise UserError(f"node id {self.node_id} is not in 1..127")
 
     def apply(self) -> None:
         """Take over settings that have changed while the device runs."""

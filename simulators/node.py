@@ -1,28 +1,24 @@
-"""One device on a wire: the path of a frame, from boot to boot.
+"""One device on a wire: the path of a frame, the passing of time, and every boot.
 
 `receive` finds who listens to a COB-ID; the service reads or writes the dictionary; the object
 there acts on the model. Then every service publishes what has changed. Nothing calls upwards.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from math import inf, isfinite
 
-from simulators.clock import MICROSECONDS, Clock, Timer, microseconds
+from simulators.clock import MICROSECONDS, Action, Clock, Scope, Timer, microseconds
 from simulators.device import Device
-from simulators.errors import UserError
 from simulators.faults import Faults
-from simulators.services import Handler, Heard, Service, State
-from simulators.services.emcy import EmcyLog, EmcyProducer
-from simulators.services.heartbeat import HeartbeatConsumer, HeartbeatProducer
-from simulators.services.nmt import Nmt, Reset
-from simulators.services.sdo import SdoServer
-from simulators.services.store import Store, recall
-from simulators.services.sync import Sync
+from simulators.services import State
+from simulators.services.emcy import EmcyLog
+from simulators.services.nmt import Reset
+from simulators.services.store import recall
 from simulators.slave import Slave
+from simulators.stack import Stack
 from simulators.wire import Frame, Outbox, Wire
 
-NODE_IDS = range(1, 128)
 COMMUNICATION_AREA = range(0x1000, 0x2000)
 EVERYTHING = range(0x1000, 0x10000)
 
@@ -30,46 +26,42 @@ EVERYTHING = range(0x1000, 0x10000)
 class Node:
     """A device with power on or off; it needs a clock and somebody who empties the outbox."""
 
-    def __init__(self, device: Device, clock: Clock, outbox: Outbox | None = None) -> None:
+    def __init__(
+        self, device: Device, clock: Clock, outbox: Outbox | None = None, name: str = "node"
+    ) -> None:
         self.device = device
         self.clock = clock
-        self.wire = Wire(clock, outbox)
+        self.wire = Wire(clock, outbox, name)
         self.faults = Faults(device.faults)
         self.powered = False
-        self.slave: Slave | None = None
-        self.log = EmcyLog()
-        self._services: list[Service] = []
-        self._nmt: Nmt | None = None
-        self._announced = State.INITIALISING
+        self._stack: Stack | None = None  # none: silent, whatever the reason
+        self._before: Slave | None = None
         self._afresh = True  # the next boot is one of the application, not of communication alone
-        self._routes: dict[Heard, list[Handler]] = {}
-        self._publishers: list[Callable[[], None]] = []
-        self._stale = False
+        self.log = EmcyLog()
         self._cycle = microseconds(device.cycle)
         self._stepped = clock.ticks
         self._wake: float = inf
         self._timer: Timer | None = None
 
     @property
+    def slave(self) -> Slave | None:
+        """The dictionary in force, none while the node is silent."""
+        return None if self._stack is None else self._stack.slave
+
+    @property
     def state(self) -> State:
         """The NMT state; Initialisation also means silence, whatever its reason."""
-        return self._announced
+        return State.INITIALISING if self._stack is None else self._stack.state
 
     @property
     def node_id(self) -> int:
         """The node id in force, or the one to boot with."""
-        return self.device.node_id if self.slave is None else int(self.slave.id)
+        return self.device.node_id if self._stack is None else self._stack.slave.node_id
 
     def power_on(self) -> None:
-        """Switch the supply on; without effect if it is.
-
-        Raises:
-            UserError: the device has a node id outside 1..127.
-        """
+        """Switch the supply on; without effect if it is."""
         if self.powered:
             return
-        if self.device.node_id not in NODE_IDS:
-            raise UserError(f"node id {self.device.node_id} is not in 1..127")
         self.powered = True
         self._stepped = self.clock.ticks
         self.device.power_on()
@@ -79,25 +71,37 @@ class Node:
 
     def power_off(self) -> None:
         """Switch the supply off: what is not in the memory is lost."""
-        if self.slave is not None:
-            self._fall_silent()
-        self.powered = False
+        if not self.powered:
+            return
+        self._fall_silent()
         self._afresh = True
+        self.device.power_off()
+        self.powered = False
         self._disarm()
 
     def receive(self, frame: Frame) -> None:
         """Take a frame from the bus; what the node sends is in the outbox afterwards."""
-        handlers = self._routes.get((frame.can_id, frame.remote))
-        if handlers is None or frame.extended:
+        stack = self._stack
+        if stack is None or frame.extended or self.wire.shut:
+            return
+        handlers = stack.routes.get((frame.can_id, frame.remote))
+        if handlers is None:
             return
         self._catch_up()
+        self.device.on_frame()
         for handle in handlers:
             handle(frame)
         self._settle()
 
+    def _on_time(self, action: Action) -> None:
+        """A timer of a service acts as a frame does."""
+        self._catch_up()
+        action()
+        self._settle()
+
     @contextmanager
     def acting(self) -> Iterator[Device]:
-        """Do something to the device at this moment: time has passed before, news goes out after."""
+        """Act on the device at this moment: time has passed before, news goes out after."""
         if self.powered:
             self._catch_up()
         yield self.device
@@ -113,10 +117,8 @@ class Node:
 
     def _settle(self) -> None:
         self._follow()
-        for publish in self._publishers:
-            publish()
-        if self._stale:
-            self._derive()
+        if self._stack is not None:
+            self._stack.publish()
         if self._wake - self._stepped > self._cycle:  # it rests: does it still?
             self._arm()
 
@@ -143,16 +145,17 @@ class Node:
 
     def _follow(self) -> None:
         """Boot, fall silent or reset as the device and the NMT master want it."""
-        if self._nmt is None:
+        stack = self._stack
+        if stack is None:
             if self.device.online:
                 self._boot()
         elif not self.device.online:
             self._fall_silent()
             self._afresh = True
-        elif self._nmt.reset is not None:
-            self._reset(self._nmt.reset)
-        elif self._nmt.state is not self._announced:
-            self._announce(self._nmt.state)
+        elif stack.reset is not None:
+            self._reset(stack.reset)
+        else:
+            stack.follow()
 
     def _reset(self, reset: Reset) -> None:
         self._fall_silent()
@@ -165,60 +168,21 @@ class Node:
             self._boot()
 
     def _boot(self) -> None:
-        """A fresh slave from the EDS and the stored parameters; nothing is cleaned by hand."""
+        """A fresh slave from the EDS and the stored parameters."""
         device = self.device
-        self.slave = slave = Slave(device.dictionary(), device.node_id, self.wire, self.clock)
-        slave.profile = device.profile
-        slave.on_communication_change = self._on_communication_change
-        self.log = EmcyLog() if self._afresh else self.log
-        self._nmt, heartbeat = Nmt(slave), HeartbeatProducer(slave)
-        self._services = [
-            self._nmt,
-            heartbeat,
-            HeartbeatConsumer(slave, device.on_heartbeat),
-            SdoServer(slave),
-            Sync(slave),
-            *device.pdos(slave),
-            EmcyProducer(slave, self.log, lambda: device.emergencies, device.farewell),
-            Store(slave, device.memory, device.stored),
-            *device.services(slave),
-        ]
-        slave.bind(device.objects)
-        for service in self._services:
-            slave.bind(service.objects)
+        scope = Scope(self.clock, self._on_time)
+        slave = Slave(device.dictionary(), device.node_id, self.wire, scope, device.profile)
+        if self._afresh:
+            self.log = EmcyLog()
+        elif self._before is not None:
+            slave.keep_application(self._before)
+        self._stack = Stack(slave, device, self.log)
         area = EVERYTHING if self._afresh else COMMUNICATION_AREA
         recall(slave, device.memory, device.stored, area)
-        self._nmt.boot_up()
-        heartbeat.start()
-        self._announce(State.PRE_OPERATIONAL)
-
-    def _announce(self, state: State) -> None:
-        self._announced = state
-        self.device.on_state(state)
-        for service in self._services:
-            service.on_state(state)
-        self._derive()
+        self._stack.boot_up()
 
     def _fall_silent(self) -> None:
-        assert self.slave is not None
-        self.slave.clock.close()
-        self.slave = self._nmt = None
-        self._services, self._routes, self._publishers = [], {}, []
-        self._announced = State.INITIALISING
-        self.device.on_state(State.INITIALISING)
-
-    def _on_communication_change(self) -> None:
-        self._stale = True
-
-    def _derive(self) -> None:
-        """Who hears what in this state: once now, and not again for every frame."""
-        self._stale = False
-        self._routes, self._publishers = {}, []
-        for service in self._services:
-            heard = list(service.listen())
-            if self._announced not in service.active_in:
-                continue
-            for key, handle in heard:
-                self._routes.setdefault(key, []).append(handle)
-            if service.eventful:
-                self._publishers.append(service.publish)
+        if self._stack is not None:
+            self._before = self._stack.slave
+            self._stack.close()
+            self._stack = None

@@ -15,7 +15,7 @@ def exact_period(milliseconds: int) -> float:
 
 @dataclass(frozen=True)
 class Profile:
-    """The defaults are what CiA 301 recommends; a device names only what its manual says otherwise."""
+    """The defaults are what CiA 301 recommends; a device names what its manual says otherwise."""
 
     segmented: bool = True
     """Whether the SDO server offers segmented transfer."""
@@ -37,13 +37,17 @@ class Profile:
     """Data lengths with which an NMT command is obeyed."""
     heartbeat_period: Callable[[int], float] = exact_period
     """Seconds between two heartbeats for a value of 0x1017 that is not 0."""
+    first_heartbeat_at_once: bool = False
+    """Whether writing 0x1017 sends a heartbeat; the first comes a period later otherwise."""
     rpdo_types: Container[int] = frozenset({*range(241), 254, 255})
     """Transmission types that an RPDO accepts."""
     tpdo_types: Container[int] = frozenset({*range(241), 252, 253, 254, 255})
     """Transmission types that a TPDO accepts."""
     tpdo_on_change: bool = True
     """Whether an event-driven TPDO (254, 255) is sent when its content has changed."""
+    no_history_code: int | None = None
+    """Abort code for an unused entry of 0x1003; it reads 0 without one."""
     strict_cob_id: bool = False
-    """Whether a new COB-ID needs two writes, bit 31 first; one that also sets it is refused."""
+    """Whether a new COB-ID needs two writes, bit 31 first, and bit 30 of an RPDO as it is."""
     store_code: int = Abort.NOT_TRANSFERABLE
     """Abort code for a wrong signature in 0x1010 and 0x1011."""

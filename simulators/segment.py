@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable
+from typing import NamedTuple
 
 from simulators.clock import Clock
 from simulators.device import Device
@@ -9,7 +10,22 @@ from simulators.errors import UserError
 from simulators.node import Node
 from simulators.wire import Frame, Outbox, Wire
 
-Listener = Callable[[Frame, Wire | None], None]
+Listener = Callable[[Frame, str], None]
+"""Called with a frame and the name of who sent it, empty for one from outside."""
+
+
+class Record(NamedTuple):
+    """One frame on a segment."""
+
+    time: float
+    """Seconds of the segment's clock."""
+    frame: Frame
+    sender: str
+    """The name of the node or master that sent it; empty for one from outside."""
+
+    def __str__(self) -> str:
+        """As `candump -L` writes it, with the time of the segment."""
+        return f"({self.time:017.6f}) can0 {self.frame}"
 
 
 class Segment:
@@ -22,8 +38,8 @@ class Segment:
         self._outbox: Outbox = deque()
         self._foreign = Wire(self.clock, self._outbox)
 
-    def node(self, device: Device) -> Node:
-        """Connect a device, with its power off.
+    def node(self, device: Device, name: str) -> Node:
+        """Connect a device by a name of its own, with its power off.
 
         Raises:
             UserError: another node has this node id.
@@ -31,25 +47,39 @@ class Segment:
         for other in self.nodes:
             if other.device.node_id == device.node_id:
                 raise UserError(f"two nodes with node id {device.node_id} on one bus")
-        node = Node(device, self.clock, self._outbox)
+        node = Node(device, self.clock, self._outbox, name)
         self.nodes.append(node)
         return node
 
+    def master(self, name: str) -> Wire:
+        """An end of the bus for somebody who is no node: `put` frames there, then `deliver`.
+
+        Unlike frames from outside, theirs carry a name: whoever brings the segment to a real bus
+        takes them along.
+        """
+        return Wire(self.clock, self._outbox, name)
+
     def send(self, frame: Frame) -> None:
-        """Put a frame on the bus that comes from none of the nodes; the answers are out after."""
+        """Put a frame on the bus that comes from outside; the answers are out after."""
         self._foreign.put(frame)
         self.deliver()
 
     def deliver(self) -> None:
-        """Bring every frame that is waiting to whoever hears it."""
+        """Bring every frame that is waiting to whoever hears it.
+
+        Listeners come after the nodes, as they may send in turn: no node hears the reply to a
+        frame before the frame. They hear the frame that brings a bug to light, too.
+        """
         outbox = self._outbox
         while outbox:
             sender, frame = outbox.popleft()
-            for listener in self.listeners:
-                listener(frame, None if sender is self._foreign else sender)
-            for node in self.nodes:
-                if node.wire is not sender:
-                    node.receive(frame)
+            try:
+                for node in self.nodes:
+                    if node.wire is not sender:
+                        node.receive(frame)
+            finally:
+                for listener in self.listeners:
+                    listener(frame, sender.name)
 
     def advance(self, seconds: float) -> None:
         """Let time pass; frames are delivered at the moment they are sent."""

@@ -10,16 +10,15 @@ from typing import Any
 
 from canopen import LocalNode, ObjectDictionary, SdoAbortedError, import_od
 from canopen.objectdictionary import ODVariable
-from canopen.objectdictionary.datatypes import INTEGER_TYPES
 
-from simulators.clock import Clock, Scope
-from simulators.objects import Abort, Address, Object, Rejected, Value
+from simulators.clock import Scope
+from simulators.entry import Entry
+from simulators.objects import Abort, Address, Object, Rejected
 from simulators.profile import Profile
 from simulators.resources import od_file
 from simulators.wire import Wire
 
 DUMMIES = range(0x0001, 0x0020)  # data types that fill gaps of a mapping, no objects (CiA 301)
-NOTHING = Object()
 
 
 @cache
@@ -35,72 +34,28 @@ def dictionary(eds: str, node_id: int) -> ObjectDictionary:
     return od
 
 
-class Entry:
-    """One entry of the dictionary, with everything worked out that a frame asks for."""
-
-    __slots__ = ("_cell", "acts", "address", "high", "low", "pack", "readable", "size")
-    __slots__ += ("unpack", "variable", "writable")
-
-    def __init__(self, variable: ODVariable, cell: dict[int, bytes]) -> None:
-        codec = ODVariable.STRUCT_TYPES.get(variable.data_type)
-        self.variable = variable
-        self.readable: bool = variable.readable
-        self.writable: bool = variable.writable
-        self.address: Address = (variable.index, variable.subindex)
-        self.size: int | None = codec.size if codec else None
-        self.pack: Callable[[Any], bytes] = codec.pack if codec else variable.encode_raw
-        self.unpack: Callable[[bytes], Any] = _first(codec) if codec else variable.decode_raw
-        whole = variable.data_type in INTEGER_TYPES
-        self.low, self.high = (variable.min, variable.max) if whole else (None, None)
-        self.acts: list[Object] = []
-        self._cell = cell
-
-    def read(self) -> bytes:
-        """The value as it goes over the wire."""
-        for acts in self.acts:
-            if acts.read is not None:
-                value = acts.read()
-                return value if isinstance(value, bytes) else self.pack(value)
-        return self._cell[self.variable.subindex]
-
-    def write(self, data: bytes) -> None:
-        """Take a value of the right length over.
-
-        Raises:
-            Rejected: out of the limits of the EDS, or refused by the device.
-        """
-        if self.low is not None or self.high is not None or self.acts:
-            data = self._act(data)
-        self._cell[self.variable.subindex] = data
-
-    def _act(self, data: bytes) -> bytes:
-        value = self.unpack(data)
-        if self.high is not None and value > self.high:
-            raise Rejected(f"{value} is above {self.high}", Abort.TOO_HIGH)
-        if self.low is not None and value < self.low:
-            raise Rejected(f"{value} is below {self.low}", Abort.TOO_LOW)
-        for acts in self.acts:
-            if acts.adjust is not None:
-                value = acts.adjust(value)
-        for acts in self.acts:
-            if acts.write is not None:
-                acts.write(value)
-        return self.pack(value)
-
-
 class Slave(LocalNode):
     """The dictionary of one node, as the services and the device see it."""
 
-    def __init__(self, od: ObjectDictionary, node_id: int, wire: Wire, clock: Clock) -> None:
+    def __init__(
+        self,
+        od: ObjectDictionary,
+        node_id: int,
+        wire: Wire,
+        clock: Scope,
+        profile: Profile | None = None,
+    ) -> None:
         super().__init__(node_id, od)
+        self.node_id = node_id
         self.wire = wire
-        self.clock = Scope(clock)  # a reset makes a fresh slave: the timers of this one end with it
-        self.profile = Profile()
+        self.clock = clock  # a reset makes a fresh slave: the timers of this one end with it
+        self.profile = profile or Profile()
         self.entries: dict[int, dict[int, Entry]] = {}
         self.on_communication_change: Callable[[], None] = lambda: None
         for index, item in od.indices.items():
             if index not in DUMMIES:
                 self._add(index, item)
+        wire.shut = False
         for other in list(wire):
             del wire[other]
         wire[node_id] = self
@@ -110,8 +65,13 @@ class Slave(LocalNode):
         cell = self.data_store.setdefault(index, {})
         self.entries[index] = {}
         for subindex, variable in variables.items():
-            self.entries[index][subindex] = entry = Entry(variable, cell)
-            cell[subindex] = _initial(entry)
+            self.entries[index][subindex] = Entry(variable, cell)
+
+    def keep_application(self, before: "Slave") -> None:
+        """Take over what a slave before this one had in its memory beyond 0x1000-0x1FFF."""
+        for index, cell in before.data_store.items():
+            if index >= 0x2000 and index in self.data_store:
+                self.data_store[index].update(cell)
 
     def bind(self, objects: Mapping[Address, Object]) -> None:
         """Let entries act. Several may act on one entry: the first bound refuses first.
@@ -120,7 +80,7 @@ class Slave(LocalNode):
             KeyError: the dictionary has no such entry.
         """
         for (index, subindex), acts in objects.items():
-            self.entries[index][subindex].acts.append(acts)
+            self.entries[index][subindex].bind(acts)
 
     def entry(self, index: int, subindex: int) -> Entry:
         """The entry at an address.
@@ -152,7 +112,7 @@ class Slave(LocalNode):
         if len(data) != entry.size:
             self.check_length(entry, len(data))
         entry.write(data)
-        if 0x1000 <= entry.address[0] < 0x2000:  # noqa: SIM300 - reads as the range it is
+        if 0x1000 <= entry.address[0] < 0x2000:
             self.on_communication_change()
 
     def check_length(self, entry: Entry, length: int) -> None:
@@ -177,17 +137,3 @@ class Slave(LocalNode):
             self.write(self.entry(index, subindex), bytes(data))
         except Rejected as refusal:
             raise SdoAbortedError(refusal.code) from refusal
-
-
-def _first(codec: Any) -> Callable[[bytes], Any]:
-    unpack = codec.unpack
-    return lambda data: unpack(data)[0]
-
-
-def _initial(entry: Entry) -> bytes:
-    """ParameterValue or DefaultValue of the EDS; zero for a number that has neither."""
-    variable: Any = entry.variable
-    value: Value | None = variable.default if variable.value is None else variable.value
-    if value is None:
-        return bytes(entry.size or 0)
-    return value if isinstance(value, bytes) else entry.pack(value)

@@ -2,7 +2,7 @@
 
 import re
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import canopen
@@ -53,9 +53,11 @@ def _payload(text: str, digits: str) -> bytes:
 class PeriodicFrame:
     """What canopen calls a periodic task: a timer of the clock, not a thread."""
 
-    def __init__(self, wire: "Wire", frame: Frame, period: float) -> None:
+    def __init__(
+        self, clock: Timing, period: float, frame: Frame, send: Callable[[Frame], None]
+    ) -> None:
         self._frame = frame
-        self._timer: Timer = wire.clock.every(period, lambda: wire.put(self._frame))
+        self._timer: Timer = clock.every(period, lambda: send(self._frame))
 
     def update(self, data: bytes) -> None:
         """Send other data from the next period on."""
@@ -75,14 +77,17 @@ class Wire(canopen.Network):
     Several wires may share one outbox, so that the order in which their frames were sent is kept.
     """
 
-    def __init__(self, clock: Timing, outbox: Outbox | None = None) -> None:
+    def __init__(self, clock: Timing, outbox: Outbox | None = None, name: str = "") -> None:
         super().__init__()
         self.clock = clock
+        self.name = name
+        self.shut = False  # off the bus for a while: nothing goes out, nothing comes in
         self.outbox: Outbox = deque() if outbox is None else outbox
 
     def put(self, frame: Frame) -> None:
         """Send a frame."""
-        self.outbox.append((self, frame))
+        if not self.shut:
+            self.outbox.append((self, frame))
 
     def send_message(self, can_id: int, data: Sequence[int], remote: bool = False) -> None:
         """What canopen calls to send."""
@@ -92,4 +97,5 @@ class Wire(canopen.Network):
         self, can_id: int, data: Sequence[int], period: float, remote: bool = False
     ) -> Any:
         """What canopen calls to send again and again, every `period` seconds."""
-        return PeriodicFrame(self, Frame(can_id, bytes(data), remote), period)
+        frame = Frame(can_id, bytes(data), remote, can_id not in STANDARD_IDS)
+        return PeriodicFrame(self.clock, period, frame, self.put)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from simulators.errors import UserError, unknown
+from simulators.kinds import convert
 
 
 @dataclass(frozen=True)
@@ -16,19 +17,20 @@ class Parameter:
 
     text: str
     default: int | float | str | None = None
+    kind: type[int] | type[float] | type[str] = float
 
 
 @dataclass(frozen=True)
 class Fault:
     """Something that can be injected and cleared by name.
 
-    `inject` is called with every parameter as a keyword, `clear` without any. A fault without
-    `clear` is over at once: what it leaves behind is the device's to reset.
+    `inject` is called with every parameter as a keyword, `clear` later with the same. A fault
+    without `clear` is over at once: what it leaves behind is the device's to reset.
     """
 
     text: str
     inject: Callable[..., None]
-    clear: Callable[[], None] | None = None
+    clear: Callable[..., None] | None = None
     parameters: Mapping[str, Parameter] = field(default_factory=dict)
 
 
@@ -40,13 +42,14 @@ class Faults:
         self.active: dict[str, dict[str, Any]] = {}
 
     def inject(self, name: str, **given: Any) -> None:
-        """Let something go wrong.
+        """Let something go wrong; a fault that is active already is replaced.
 
         Raises:
-            UserError: no such fault, an unknown parameter, or one that is missing.
+            UserError: no such fault, an unknown or missing parameter, or a wrong value.
         """
         fault = self._find(name)
         values = arguments(name, fault, given)
+        self.clear(name)
         fault.inject(**values)
         if fault.clear is not None:
             self.active[name] = values
@@ -59,8 +62,9 @@ class Faults:
         """
         for each in [name] if name is not None else list(self.active):
             fault = self._find(each)
-            if self.active.pop(each, None) is not None and fault.clear is not None:
-                fault.clear()
+            values = self.active.pop(each, None)
+            if values is not None and fault.clear is not None:
+                fault.clear(**values)
 
     def renew(self) -> None:
         """Inject again what is active: a cause outlives the power cycle of the device."""
@@ -77,13 +81,25 @@ def arguments(name: str, fault: Fault, given: Mapping[str, Any]) -> dict[str, An
     """The parameters a fault is injected with: those given over the defaults.
 
     Raises:
-        UserError: an unknown parameter, or one that is missing.
+        UserError: an unknown parameter, one that is missing, or a value of the wrong kind.
     """
-    for parameter in given:
-        if parameter not in fault.parameters:
-            raise unknown(f"parameter of fault {name!r}", parameter, fault.parameters)
-    values = {key: told.default for key, told in fault.parameters.items()} | dict(given)
+    values = {key: told.default for key, told in fault.parameters.items()}
+    values |= {key: argument(name, fault, key, value) for key, value in given.items()}
     for parameter, value in values.items():
         if value is None:
-            raise UserError(f"fault {name!r} wants {parameter!r}: {fault.parameters[parameter].text}")
+            raise UserError(
+                f"fault {name!r} wants {parameter!r}: {fault.parameters[parameter].text}"
+            )
     return values
+
+
+def argument(name: str, fault: Fault, parameter: str, value: object) -> Any:
+    """One parameter as the fault takes it.
+
+    Raises:
+        UserError: the fault has no such parameter, or the value is of the wrong kind.
+    """
+    if parameter not in fault.parameters:
+        raise unknown(f"parameter of fault {name!r}", parameter, fault.parameters)
+    kind = fault.parameters[parameter].kind
+    return convert(f"parameter {parameter!r} of fault {name!r}", value, kind)

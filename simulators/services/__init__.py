@@ -1,4 +1,4 @@
-"""Communication services of CiA 301 and 305: what a slave does besides answering for its objects."""
+"""Communication services (CiA 301, 305): what a slave does besides answering for its objects."""
 
 from collections.abc import Callable, Iterable, Mapping
 from enum import StrEnum

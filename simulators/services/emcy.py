@@ -134,7 +134,7 @@ class EmcyProducer(Service):
             self.log.unsent.append(farewell)
 
     def _send(self) -> None:
-        cob_id = self.slave.number(0x1014) if self.slave.has(0x1014) else 0x80 + self.slave.id
+        cob_id = self.slave.number(0x1014) if self.slave.has(0x1014) else 0x80 + self.slave.node_id
         unsent, self.log.unsent = self.log.unsent, []
         if cob_id & INVALID:
             return
@@ -149,6 +149,8 @@ class EmcyProducer(Service):
 
     def _past(self, age: int) -> int:
         if age >= len(self.log.history):
+            if (code := self.slave.profile.no_history_code) is not None:
+                raise Rejected("no such error in the history", code)
             return 0
         emcy = self.log.history[age]
         return emcy.code | int.from_bytes(emcy.field[:2], "little") << 16
@@ -157,4 +159,3 @@ class EmcyProducer(Service):
         if value:
             raise Rejected(f"0 erases the history, {value} does nothing")
         self.log.history.clear()
-

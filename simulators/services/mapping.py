@@ -4,8 +4,9 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import NamedTuple
 
+from simulators.entry import Entry
 from simulators.objects import Abort, Address, Object, Rejected
-from simulators.slave import DUMMIES, Entry, Slave
+from simulators.slave import DUMMIES, Slave
 
 LONGEST = 64  # bits of a PDO
 BYTE = 8

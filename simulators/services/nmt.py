@@ -22,6 +22,9 @@ class Reset(IntEnum):
     COMMUNICATION = 0x82
 
 
+RESETS: Mapping[int, Reset] = {reset.value: reset for reset in Reset}
+
+
 class Nmt(Service):
     """`state` and `reset` are read by the node after every frame."""
 
@@ -39,13 +42,13 @@ class Nmt(Service):
         if len(frame.data) not in self.slave.profile.nmt_lengths:
             return
         command, target = frame.data[:2]
-        if target not in (ALL_NODES, self.slave.id):
+        if target not in (ALL_NODES, self.slave.node_id):
             return
         if command in TARGET:
             self.state = TARGET[command]
-        elif command in Reset:
-            self.state, self.reset = State.INITIALISING, Reset(command)
+        elif command in RESETS:
+            self.state, self.reset = State.INITIALISING, RESETS[command]
 
     def boot_up(self) -> None:
         """Announce that initialisation is over."""
-        self.slave.wire.put(Frame(0x700 + self.slave.id, b"\0"))
+        self.slave.wire.put(Frame(0x700 + self.slave.node_id, b"\0"))

@@ -1,0 +1,104 @@
+"""The verb `expect`: what should be seen, and within which time."""
+
+from collections.abc import Callable, Mapping
+from math import inf
+
+from simulators.replay.document import Item
+from simulators.replay.expect import Comes, Holds, Never, Range, Text
+from simulators.replay.patterns import AnyFrame, EmcyLike, FrameLike, HeartbeatLike
+from simulators.replay.rehearsal import Rehearsal
+from simulators.replay.scenario import Expectation
+from simulators.replay.targets import Target
+from simulators.services import State
+from simulators.wire import Frame
+
+NONE = "none"
+HEARTBEATS: Mapping[str, State] = {
+    state.lower(): state for state in (State.OPERATIONAL, State.PRE_OPERATIONAL, State.STOPPED)
+}
+EMCY_FIELDS: Mapping[str, int] = {"code": 0xFFFF, "register": 0xFF, "detail": 0xFF_FFFF_FFFF}
+
+
+def parse_expect(item: Item, rehearsal: Rehearsal) -> Expectation:
+    """One kind, and the seconds it may take: `{emcy: none, within: 0.5}`."""
+    fields = item.fields((), (*KINDS, "within"))
+    kind = item.choice("expect", fields, KINDS)
+    if "within" in fields:
+        return KINDS[kind](fields[kind], fields["within"].seconds, rehearsal)
+    if kind != "value":
+        item.problems.add(item.mark, "'within' is missing: the seconds it may take")
+    return KINDS[kind](fields[kind], 0.0, rehearsal)
+
+
+def parse_emcy(item: Item, within: float, rehearsal: Rehearsal) -> Expectation:
+    """`{code: 0x2300, register: 0x03, detail: 0x23}` or some of it; `none`."""
+    if not item.is_mapping:
+        item.one_of("EMCY", [NONE])
+        return Never(within, EmcyLike())
+    fields = item.fields((), EMCY_FIELDS)
+    if not item.pairs:
+        raise item.wrong("which EMCY? wanted is code, register, detail or some of them")
+    return Comes(
+        within,
+        EmcyLike(**{name: field.whole_up_to(EMCY_FIELDS[name]) for name, field in fields.items()}),
+    )
+
+
+def parse_frame(item: Item, within: float, rehearsal: Rehearsal) -> Expectation:
+    """`185#3C05xxxxxxxxxxxx`."""
+    text = item.text.strip().replace(".", "").upper()
+    Frame.parse(text.replace("X", "0"))
+    return Comes(within, FrameLike(text))
+
+
+def parse_heartbeat(item: Item, within: float, rehearsal: Rehearsal) -> Expectation:
+    """`operational`; `none`."""
+    state = item.one_of("heartbeat", [*HEARTBEATS, NONE])
+    if state == NONE:
+        return Never(within, HeartbeatLike())
+    return Comes(within, HeartbeatLike(HEARTBEATS[state]))
+
+
+def parse_silence(item: Item, within: float, rehearsal: Rehearsal) -> Expectation:
+    """`true`."""
+    item.one_of("silence", ["true"])
+    return Never(within, AnyFrame())
+
+
+def parse_value(item: Item, within: float, rehearsal: Rehearsal) -> Expectation:
+    """`{Actual voltage: 1340}`, `{0x2020: {is: 1340, within: 2}}`, `{0x2020: {min: 1, max: 9}}`."""
+    wanted = []
+    for pair in item.pairs.values():
+        with item.problems.at(pair.key):
+            target = rehearsal.targets.find(pair.key)
+            wanted.append((target, _wanted(target, pair.value)))
+    return Holds(within, tuple(wanted))
+
+
+def _wanted(target: Target, item: Item) -> Range | Text:
+    if target.is_text:
+        return Text(item.text)
+    if not item.is_mapping:
+        return Range(item.number, item.number, _is_hexadecimal(item))
+    fields = item.fields((), ("is", "within", "min", "max"))
+    numbers = {key: field.number for key, field in fields.items()}
+    if "is" in numbers and not numbers.keys() & {"min", "max"}:
+        middle, width = numbers["is"], numbers.get("within", 0)
+        return Range(middle - width, middle + width, _is_hexadecimal(fields["is"]))
+    if numbers and not numbers.keys() & {"is", "within"}:
+        hexadecimal = any(map(_is_hexadecimal, fields.values()))
+        return Range(numbers.get("min", -inf), numbers.get("max", inf), hexadecimal)
+    raise item.wrong("wanted is {is: 5}, {is: 5, within: 1}, {min: 4}, {max: 6} or both of these")
+
+
+def _is_hexadecimal(item: Item) -> bool:
+    return item.text.startswith("0x")
+
+
+KINDS: Mapping[str, Callable[[Item, float, Rehearsal], Expectation]] = {
+    "emcy": parse_emcy,
+    "value": parse_value,
+    "frame": parse_frame,
+    "heartbeat": parse_heartbeat,
+    "silence": parse_silence,
+}
