@@ -67,6 +67,12 @@ SECTIONS = {
             Goal(time=1.0),
         ),
         Figure(
+            "a minute of a settled output, SDO upload every 10 ms",
+            "test_minute_of_questions",
+            "real time",
+            60.0,
+        ),
+        Figure(
             "a minute, new set value every 100 ms, resistor",
             "test_minute_of_set_values[resistor 4]",
             "real time",

@@ -28,6 +28,19 @@ def test_settled_hour(benchmark: BenchmarkFixture):
     assert bench.trace[-1].frame.can_id == 0x705
 
 
+def test_minute_of_questions(benchmark: BenchmarkFixture):
+    """A master that asks a settled output for its voltage every 10 ms."""
+    bench = powered("resistor 4")
+
+    def minute() -> None:
+        for _ in range(6000):
+            bench.sdo.upload(0x2020, 0)
+            bench.run(0.01)
+
+    benchmark.pedantic(minute, rounds=5, warmup_rounds=1)
+    assert bench.device.rest
+
+
 @pytest.mark.parametrize("load", ["resistor 4", "inductor 4 0.1"])
 def test_minute_of_set_values(benchmark: BenchmarkFixture, load: str):
     """A new set value every 100 ms: a ramp, a transient, rest."""

@@ -80,10 +80,10 @@ class MappingRules:
         return range(1, count + 1)
 
     def _check_mappable(self, value: int) -> None:
-        index, bits = value >> 16, value & 0xFF
-        if index in DUMMIES and not self._sent:
+        index, subindex, bits = value >> 16, value >> 8 & 0xFF, value & 0xFF
+        if not self._sent and subindex == 0 and self.slave.dummies.get(index) == bits:
             return
-        entry = self.slave.entry(index, value >> 8 & 0xFF)
+        entry = self.slave.entry(index, subindex)
         fits = entry.size is not None and entry.size * BYTE == bits
         may = entry.readable if self._sent else entry.writable
         if not (entry.variable.pdo_mappable and fits and may):
