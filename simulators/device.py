@@ -125,6 +125,20 @@ class Device:
     def reset_communication(self) -> None:
         """NMT 82h: only the communication starts afresh."""
 
+    def save(self) -> None:
+        """0x1010: keep in the memory what is not among `stored`.
+
+        Raises:
+            OSError: the memory cannot be written; the master is told.
+        """
+
+    def restore(self) -> None:
+        """0x1011: keep the factory settings of the same.
+
+        Raises:
+            OSError: as for `save`.
+        """
+
     def on_state(self, state: State) -> None:
         """The node has entered an NMT state."""
 
