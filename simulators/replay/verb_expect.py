@@ -62,7 +62,7 @@ def parse_silence(item: Item, within: float, rehearsal: Rehearsal) -> Expectatio
 
 
 def parse_value(item: Item, within: float, rehearsal: Rehearsal) -> Expectation:
-    """`{Actual voltage: 1340}`, `{0x2020: {is: 1340, within: 2}}`, `{0x2020: {min: 1, max: 9}}`."""
+    """`{Actual voltage: 1340}`, `{0x2020: {is: 9, tolerance: 2}}`, `{0x2020: {min: 1, max: 9}}`."""
     wanted = []
     for pair in item.some_pairs.values():
         with item.problems.at(pair.key):
@@ -76,7 +76,7 @@ def _wanted(target: Target, item: Item) -> Range | Text:
         return Text(item.text)
     if not item.is_mapping:
         return Range(item.number, item.number, _is_hexadecimal(item))
-    fields = item.fields((), ("is", "within", "min", "max"))
+    fields = item.fields((), ("is", "tolerance", "min", "max"))
     low, high = _ends(item, {key: field.number for key, field in fields.items()})
     if low > high:
         raise item.wrong(f"no value is in {low}..{high}")
@@ -85,11 +85,11 @@ def _wanted(target: Target, item: Item) -> Range | Text:
 
 def _ends(item: Item, numbers: Mapping[str, float]) -> tuple[float, float]:
     if "is" in numbers and not numbers.keys() & {"min", "max"}:
-        width = numbers.get("within", 0)
+        width = numbers.get("tolerance", 0)
         return numbers["is"] - width, numbers["is"] + width
-    if numbers and not numbers.keys() & {"is", "within"}:
+    if numbers and not numbers.keys() & {"is", "tolerance"}:
         return numbers.get("min", -inf), numbers.get("max", inf)
-    raise item.wrong("wanted is {is: 5}, {is: 5, within: 1}, {min: 4}, {max: 6} or both of these")
+    raise item.wrong("wanted is {is: 5}, {is: 5, tolerance: 1}, {min: 4} or {max: 6} or both")
 
 
 def _is_hexadecimal(item: Item) -> bool:

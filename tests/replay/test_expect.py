@@ -36,6 +36,7 @@ def test_an_emergency_that_differs_in_one_field_is_told_and_not_taken(played, fi
 def test_the_emergency_is_heard_on_the_identifier_of_the_dictionary(played):
     _, outcomes = played(
         f"""\
+        - {{at: 0, write: {{COB-ID EMCY: 0x800001A5}}}}
         - {{at: 0, write: {{COB-ID EMCY: 0x1A5}}}}
         - {{at: 1, {ERROR}}}
         - {{at: 1, expect: {{frame: 1A5#00.10.xx.6x.69.65.6c.64, within: 0}}}}
@@ -153,9 +154,9 @@ def test_silence_means_the_node_and_not_the_scenario(played):
         ("50.0", "PASS"),
         ("51", "FAIL"),
         ("{is: 50}", "PASS"),
-        ("{is: 52, within: 2}", "PASS"),
-        ("{is: 52, within: 1.9}", "FAIL"),
-        ("{is: 48, within: 2}", "PASS"),
+        ("{is: 52, tolerance: 2}", "PASS"),
+        ("{is: 52, tolerance: 1.9}", "FAIL"),
+        ("{is: 48, tolerance: 2}", "PASS"),
         ("{min: 50}", "PASS"),
         ("{min: 51}", "FAIL"),
         ("{max: 50}", "PASS"),

@@ -107,9 +107,9 @@ def test_live_settings_change_while_the_device_runs(loaded):
                power_on_current: 4000}}
         steps:
           - {at: 0, write: {Run command: 1}}
-          - {at: 1, expect: {value: {Actual current: {is: 2000, within: 2}}}}
+          - {at: 1, expect: {value: {Actual current: {is: 2000, tolerance: 2}}}}
           - {at: 2, set: {load: resistor 8, ambient: 40}}
-          - {at: 3, expect: {value: {Actual current: {is: 1000, within: 2}}}}
+          - {at: 3, expect: {value: {Actual current: {is: 1000, tolerance: 2}}}}
         """
     )
     assert play(scenario).ok
