@@ -15,7 +15,6 @@ from simulators.objects import Address, Object, Rejected
 from simulators.profile import Profile
 from simulators.services import Service, State
 from simulators.services.emcy import Emcy, Farewell, when_all_are_gone
-from simulators.services.pdo import Pdo
 from simulators.services.rpdo import Rpdo
 from simulators.services.tpdo import Tpdo
 from simulators.settings import changed, setting
@@ -104,8 +103,8 @@ class Device:
         """A fresh object dictionary for the slave that is about to boot."""
         return dictionary(self.eds, self.node_id)
 
-    def pdos(self, slave: Slave) -> Iterable[Pdo]:
-        """The PDOs of the dictionary."""
+    def pdos(self, slave: Slave) -> Iterable[Service]:
+        """The PDOs of the dictionary, and what may drive them."""
         yield from (Rpdo(slave, number, self.on_rpdo_refused) for number in Rpdo.numbers(slave))
         yield from (Tpdo(slave, number) for number in Tpdo.numbers(slave))
 
