@@ -2,9 +2,9 @@ import canopen
 import pytest
 from canopen.objectdictionary import ODVariable
 
-from simulators.devices.charger.eds import file_name, text, write_all
+from simulators.devices.charger.eds import text, write_all
 from simulators.devices.charger.model.types import PCSC, TYPES, Build, Variant
-from simulators.devices.charger.object_table import table
+from simulators.devices.charger.object_table import file_name, table
 from simulators.resources import od_file
 
 NODE_ID = 99

@@ -8,7 +8,7 @@ from itertools import groupby
 from pathlib import Path
 
 from simulators.devices.charger.model.types import TYPES, Build, Type, Variant
-from simulators.devices.charger.object_table import TABLE, Row, filled, table
+from simulators.devices.charger.object_table import TABLE, Row, file_name, filled, rows_of
 from simulators.resources import od_file
 
 OBJECT_TYPES = {"VAR": 0x7, "ARRAY": 0x8, "RECORD": 0x9}
@@ -75,16 +75,9 @@ Line3=Limits that are other entries are not given here; the device checks them a
 """
 
 
-def file_name(build: Build) -> str:
-    """The file of od/ that describes a charger."""
-    parts = ["charger", build.kind.name, build.entries_of.value]
-    return "_".join(filter(None, parts)).lower() + ".eds"
-
-
 def text(build: Build) -> str:
     """The EDS of a charger."""
-    variant = build.entries_of.value
-    rows = [row for row in table() if not row.variants or variant in row.variants.split()]
+    rows = rows_of(build)
     return "\n".join([_head(build, rows), *_lists(rows), *_objects(build.kind, rows)])
 
 
