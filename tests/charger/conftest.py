@@ -1,6 +1,7 @@
 import pytest
 import yaml
 
+from simulators import Bench
 from simulators.devices.charger.model.catalogue import read_catalogue
 from simulators.devices.charger.model.charger import Charger
 from simulators.devices.charger.model.parameter import Parameter
@@ -8,6 +9,8 @@ from simulators.devices.charger.model.release import Source
 from simulators.devices.charger.model.types import PCSC, Build, Variant
 from simulators.devices.charger.object_table import factory
 from simulators.resources import od_file
+
+from .bus import release
 
 
 @pytest.fixture(scope="session")
@@ -65,3 +68,23 @@ def active():
         return [(message.kind.name, message.key) for message in charger.messages.active]
 
     return active
+
+
+@pytest.fixture
+def bench():
+    """A PCSC with power on, node id 99; its boot-up message is out."""
+    return Bench("charger")
+
+
+@pytest.fixture
+def quiet(bench):
+    """The same without a heartbeat."""
+    bench.sdo[0x1017].raw = 0
+    return bench
+
+
+@pytest.fixture
+def on(quiet):
+    """The same at 20 kV on its own bar, in Pre-operational."""
+    release(quiet)
+    return quiet
