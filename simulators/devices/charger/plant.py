@@ -12,7 +12,6 @@ from simulators.errors import UserError
 from simulators.kinds import convert
 
 MICRO = 1e-6
-BAR = "bar"
 
 Disturbance = Callable[[Surroundings], Surroundings]
 
@@ -69,12 +68,17 @@ def electrode(text: str) -> Electrode | None:
     Raises:
         UserError: neither a bar nor a resistor.
     """
-    kind, *rest = text.split()
-    if kind == BAR and not rest:
-        return None
-    if kind != "resistor" or len(rest) != 1:
-        raise UserError(f"setting 'load' is 'bar' or 'resistor OHM', not {text!r}")
-    resistance = float(str(convert("setting 'load': the resistor", rest[0], float)))
+    match text.split():
+        case ["bar"]:
+            return None
+        case ["resistor", number] | ["resistor", number, "ohm"]:
+            return _resistor(number)
+    raise UserError(f"setting 'load' is 'bar' or 'resistor OHM', not {text!r}")
+
+
+def _resistor(number: str) -> Resistor:
+    resistance = convert("setting 'load': the resistor", number, float)
+    assert isinstance(resistance, float)
     if resistance <= 0:
-        raise UserError(f"setting 'load': a resistor of {rest[0]} ohm is none")
+        raise UserError(f"setting 'load': a resistor of {number} ohm is none")
     return Resistor(resistance)
