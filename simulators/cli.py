@@ -62,6 +62,7 @@ def parser() -> argparse.ArgumentParser:
         command = commands.add_parser(name, help=text, description=text)
         command.add_argument("scenarios", nargs="+", metavar="SCENARIO", help=SCENARIO)
         command.set_defaults(command=_lazy("scenarios", name))
+    _vcan(commands)
     return top
 
 
@@ -100,6 +101,19 @@ def _run(commands: Commands) -> None:
     )
     add_bus_arguments(command)
     command.set_defaults(command=_lazy("run", "run"))
+
+
+def _vcan(commands: Commands) -> None:
+    text = "run a command where there is a real vcan0: here, or in a user-mode Linux guest"
+    command = commands.add_parser("vcan", help=text, description=text)
+    command.add_argument(
+        "--limit", type=float, default=300.0, metavar="SECONDS", help="end it after this time (300)"
+    )
+    command.add_argument(
+        "--out", type=Path, metavar="DIR", help="keep what is written there; the rest is lost"
+    )
+    command.add_argument("words", nargs="+", metavar="COMMAND", help="after --, with its arguments")
+    command.set_defaults(command=_lazy("vcan", "vcan"))
 
 
 def _lazy(module: str, name: str) -> Command:
