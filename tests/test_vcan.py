@@ -3,6 +3,7 @@ import shutil
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -30,7 +31,7 @@ def test_a_command_runs_as_on_the_host_and_only_the_out_folder_is_kept(tmp_path)
     done = subprocess.run(
         [*VCAN, "--out", "out", "--", "bash", "-c", COMMAND],
         cwd=tmp_path,
-        env={**os.environ, "GREETING": "it's here", "PYTHONPATH": os.getcwd()},
+        env={**os.environ, "GREETING": "it's here", "PYTHONPATH": str(Path.cwd())},
         capture_output=True,
         text=True,
         check=False,
