@@ -25,6 +25,27 @@ UPLOAD = "an SDO upload request"
 FRAME = "test_frame_localnode[upload]"
 LOCAL_NODE = "`LocalNode` on `virtual`"
 
+NOTES = {
+    "A master and a twin": (
+        "On `virtual` three threads of one interpreter take turns at every request: the master's,"
+        " its receiver's, and that of the node. The bench has one."
+    ),
+    "One frame in a node": (
+        "After every frame the twin asks its model for errors and whether it is still at rest, and"
+        " an upload asks it for the value; `LocalNode` has neither to ask, and its bus is one that"
+        " swallows messages."
+    ),
+    "Simulated time": (
+        "Whatever does not move costs nothing: the model of a settled output sleeps until somebody"
+        " acts or its heat reaches a level. An output that moves is computed every millisecond."
+    ),
+    "Start": (
+        "The first twin of a process pays for the import of its device and for reading EDS, message"
+        " table and unit types; every later one takes them from memory. `LocalNode` is measured"
+        " without the second that its two networks take to shut down."
+    ),
+}
+
 SECTIONS = {
     "A master and a twin": [
         Figure(
@@ -54,9 +75,9 @@ SECTIONS = {
             "the same",
             "test_frame_localnode[download]",
         ),
-        Figure("RPDO", "test_frame_twin[rpdo]", UPLOAD, FRAME),
-        Figure("remote request, TPDO", "test_frame_twin[rtr]", UPLOAD, FRAME),
-        Figure("SYNC, TPDO of type 1", "test_frame_twin[sync]", UPLOAD, FRAME),
+        Figure("RPDO with one value", "test_frame_twin[rpdo]", UPLOAD, FRAME),
+        Figure("remote request, TPDO as of the last SYNC", "test_frame_twin[rtr]", UPLOAD, FRAME),
+        Figure("SYNC, TPDO of type 1 with four values", "test_frame_twin[sync]", UPLOAD, FRAME),
     ],
     "Simulated time": [
         Figure(
@@ -67,22 +88,28 @@ SECTIONS = {
             Goal(time=1.0),
         ),
         Figure(
-            "a minute, new set value every 100 ms, resistor",
-            "test_minute_of_set_values[resistor 4]",
+            "10 s of a settled output, SDO upload every 10 ms",
+            "test_questions",
             "real time",
-            60.0,
+            10.0,
         ),
         Figure(
-            "a minute, new set value every 100 ms, inductor",
-            "test_minute_of_set_values[inductor 4 0.1]",
+            "10 s, new set value every 100 ms, resistor",
+            "test_set_values[resistor 4]",
             "real time",
-            60.0,
+            10.0,
         ),
         Figure(
-            "a minute, RPDO, SYNC and TPDO every 10 ms, inductor",
-            "test_minute_of_control_loop",
+            "10 s, new set value every 100 ms, inductor",
+            "test_set_values[inductor 4 0.1]",
             "real time",
-            60.0,
+            10.0,
+        ),
+        Figure(
+            "10 s, RPDO, SYNC and TPDO every 10 ms, inductor",
+            "test_control_loop",
+            "real time",
+            10.0,
         ),
     ],
     "Start": [

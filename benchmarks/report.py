@@ -14,7 +14,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from benchmarks.figures import SECTIONS, Figure, Goal
+from benchmarks.figures import NOTES, SECTIONS, Figure, Goal
 
 ROOT = Path(__file__).parent.parent
 PAGE = ROOT / "docs" / "performance.md"
@@ -22,13 +22,14 @@ HEAD = """# Performance
 
 Written by `python -m benchmarks.report`; what each line measures is in `benchmarks/`.
 
-A ratio says how many times as fast the twin is as its peer, measured in the same run: {runs} runs,
-the median of their ratios, in brackets the lowest and the highest. Times are medians too. The peer
-is `canopen.LocalNode` as shipped, with the EDS of the TopCon: it answers from memory, has neither
-NMT states nor PDOs, and no device behind it. The twin is a TopCon with its output stage.
+A ratio says how many times as fast the twin is as its peer, measured in the same run. There were
+{runs} runs: each ratio is the median of theirs, in brackets the lowest and the highest; times are
+medians too. The peer is `canopen.LocalNode` as shipped, with the EDS of the TopCon: it answers from
+memory, has neither NMT states nor PDOs, and no device behind it. The twin is a TopCon with its
+output stage.
 
-{cores} x {cpu}, Python {python}, canopen {canopen}, python-can {can}. Nothing was done to keep
-other work off the machine: that is what medians and ranges are for.
+Machine: {cores} x {cpu}, Python {python}, canopen {canopen}, python-can {can}.
+Nothing was done to keep other work off it: that is what medians and ranges are for.
 """
 COLUMNS = ("", "ratio", "goal", "reached", "twin", "peer")
 UNITS = {"s": 1.0, "ms": 1e-3, "µs": 1e-6}
@@ -50,7 +51,8 @@ def measure() -> dict[str, Any]:
     """One run, as pytest-benchmark saves it."""
     with tempfile.TemporaryDirectory() as folder:
         saved = Path(folder) / "run.json"
-        command = [sys.executable, "-m", "pytest", "benchmarks", "-q", f"--benchmark-json={saved}"]
+        options = ["-q", "--benchmark-max-time=0.5", f"--benchmark-json={saved}"]
+        command = [sys.executable, "-m", "pytest", "benchmarks", *options]
         subprocess.run(command, cwd=ROOT, check=True)
         content: dict[str, Any] = json.loads(saved.read_text("utf-8"))
         return content
@@ -74,7 +76,7 @@ def page(runs: list[dict[str, Any]]) -> str:
 def tables(runs: Sequence[Times]) -> Iterator[str]:
     """A table for each section, ratios first."""
     for section, figures in SECTIONS.items():
-        yield f"## {section}\n"
+        yield f"## {section}\n\n{NOTES[section]}\n"
         yield row(*COLUMNS)
         yield row("---", *("---:",) * 5)
         yield from (row(*cells(figure, runs)) for figure in figures)
@@ -115,8 +117,8 @@ def reached(aim: Goal, ratio: float, time: float) -> bool | None:
 
 
 def number(value: float) -> str:
-    """With two digits or as many as stand before the point."""
-    return f"{value:,.0f}" if value >= 10 else f"{value:.2g}"
+    """With two digits that count."""
+    return f"{float(f'{value:.2g}'):,g}"
 
 
 def duration(seconds: float) -> str:

@@ -7,21 +7,22 @@ Exit codes: 0 all is well, 1 an expectation failed (or a bug, with its traceback
 import argparse
 import logging
 import os
-import signal
 import sys
 from collections.abc import Callable, Sequence
 from functools import partial
 from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
-from typing import TypeAlias
-
-from can.cli import add_bus_arguments
+from typing import Any, TypeAlias
 
 from simulators.errors import UserError
 
-FAILED, WRONG_INPUT = 1, 2
+WRONG_INPUT, INTERRUPTED, NO_READER = 2, 130, 141
 PROGRAM = "canopen-twin"
+
+DEVICE = "one of `canopen-twin list`"
+SCENARIO = "a file, or the name of one that is shipped"
+VERBOSE = "tell more; -vv the most"
 
 Command = Callable[[argparse.Namespace], int]
 
@@ -29,8 +30,7 @@ Command = Callable[[argparse.Namespace], int]
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command and return the exit code; a bug comes out as its exception."""
     options = parser().parse_args(arguments)
-    level = logging.WARNING - 10 * min(options.verbose, 2)
-    logging.basicConfig(format=f"{PROGRAM}: %(message)s", level=level, stream=sys.stderr)
+    _log(options.verbose)
     command: Command = options.command
     try:
         code = command(options)
@@ -40,55 +40,91 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print(f"{PROGRAM}: {line}", file=sys.stderr)
         return WRONG_INPUT
     except KeyboardInterrupt:
-        return 128 + signal.SIGINT
+        return INTERRUPTED
     except BrokenPipeError:  # whoever read our output has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 128 + signal.SIGPIPE
+        return NO_READER
     return code
+
+
+def _log(verbosity: int) -> None:
+    level = logging.WARNING - 10 * min(verbosity, 2)
+    logging.basicConfig(format=f"{PROGRAM}: %(message)s", level=level, stream=sys.stderr)
+    if not verbosity:  # python-can tells what it raises, too
+        logging.getLogger("can").setLevel(logging.CRITICAL)
+
+
+class Parser(argparse.ArgumentParser):
+    """The parser of a command; what takes an import is added when the command is chosen."""
+
+    late: Callable[[argparse.ArgumentParser], None] | None = None
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse, after everything is there."""
+        if self.late is not None:
+            self.late(self)
+        return super().parse_known_args(args, namespace)
+
+
+Commands: TypeAlias = "argparse._SubParsersAction[Parser]"  # noqa: SLF001
+
+
+class Version(argparse.Action):
+    """Looks for the version of the installed package only if somebody asks for it."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        """Print it, and end."""
+        print(version("canopen-twins"))
+        parser.exit()
 
 
 def parser() -> argparse.ArgumentParser:
     """Everything that can be said on the command line."""
     top = argparse.ArgumentParser(prog=PROGRAM, description="Digital twins of CANopen slaves.")
-    top.add_argument("--version", action="version", version=version("canopen-twins"))
-    top.add_argument("-v", "--verbose", action="count", default=0, help="tell more; -vv the most")
-    commands = top.add_subparsers(metavar="COMMAND", required=True)
+    top.add_argument("--version", action=Version, nargs=0, help="print the version")
+    top.add_argument("-v", "--verbose", action="count", default=0, help=VERBOSE)
+    commands = top.add_subparsers(metavar="COMMAND", required=True, parser_class=Parser)
     _catalogue(commands)
     _run(commands)
     for name, text in (
         ("play", "play scenarios in simulated time: a trace in candump format, then the verdict"),
         ("check", "say what is wrong with scenarios, without playing them"),
     ):
-        command = commands.add_parser(name, help=text, description=text)
+        command = _command(commands, name, text, "scenarios", name)
         command.add_argument("scenarios", nargs="+", metavar="SCENARIO", help=SCENARIO)
-        command.set_defaults(command=_lazy("scenarios", name))
     _vcan(commands)
     return top
 
 
-SCENARIO = "a file, or the name of one that is shipped"
-Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  # noqa: SLF001
+def _command(commands: Commands, name: str, text: str, module: str, function: str) -> Parser:
+    """A command whose imports wait until it is chosen, so that --help is there at once."""
+
+    def command(options: argparse.Namespace) -> int:
+        run: Command = getattr(import_module(f"simulators.commands.{module}"), function)
+        return run(options)
+
+    parser = commands.add_parser(name, help=text, description=text)
+    parser.add_argument("-v", "--verbose", action="count", default=argparse.SUPPRESS, help=VERBOSE)
+    parser.set_defaults(command=command)
+    return parser
 
 
 def _catalogue(commands: Commands) -> None:
-    shown = {
-        "objects": "the object dictionary of a device",
-        "settings": "what can be chosen with --set, and what is assumed",
-        "faults": "what can be injected",
-        "eds": "the EDS file of a device",
-    }
-    command = commands.add_parser("list", help="the devices and scenarios there are")
-    command.set_defaults(command=_lazy("catalogue", "list_all"))
-    for name, text in shown.items():
-        command = commands.add_parser(name, help=text, description=f"Print {text}.")
-        command.add_argument("device", metavar="DEVICE", help="one of `canopen-twin list`")
-        command.set_defaults(command=_lazy("catalogue", name))
+    _command(commands, "list", "print the devices and scenarios there are", "catalogue", "list_all")
+    for name, text in (
+        ("objects", "print the object dictionary of a device"),
+        ("settings", "print what can be chosen with --set, and what is assumed"),
+        ("faults", "print what can be injected"),
+        ("eds", "print the EDS file of a device"),
+    ):
+        command = _command(commands, name, text, "catalogue", name)
+        command.add_argument("device", metavar="DEVICE", help=DEVICE)
 
 
 def _run(commands: Commands) -> None:
     text = "run a twin on a CAN bus in real time, until it is stopped or its scenario is over"
-    command = commands.add_parser("run", help=text, description=text)
-    command.add_argument("device", metavar="DEVICE", help="one of `canopen-twin list`")
+    command = _command(commands, "run", text, "run", "run")
+    command.add_argument("device", metavar="DEVICE", help=DEVICE)
     command.add_argument(
         "-n", "--node-id", type=partial(int, base=0), metavar="ID", help="1..127, or as 0x05"
     )
@@ -99,13 +135,18 @@ def _run(commands: Commands) -> None:
     command.add_argument(
         "--nvram", type=Path, metavar="FILE", help="keep what the device stores in a file"
     )
+    command.late = _bus_arguments
+
+
+def _bus_arguments(command: argparse.ArgumentParser) -> None:
+    from can.cli import add_bus_arguments  # noqa: PLC0415
+
     add_bus_arguments(command)
-    command.set_defaults(command=_lazy("run", "run"))
 
 
 def _vcan(commands: Commands) -> None:
     text = "run a command where there is a real vcan0: here, or in a user-mode Linux guest"
-    command = commands.add_parser("vcan", help=text, description=text)
+    command = _command(commands, "vcan", text, "vcan", "vcan")
     command.add_argument(
         "--limit", type=float, default=300.0, metavar="SECONDS", help="end it after this time (300)"
     )
@@ -113,14 +154,3 @@ def _vcan(commands: Commands) -> None:
         "--out", type=Path, metavar="DIR", help="keep what is written there; the rest is lost"
     )
     command.add_argument("words", nargs="+", metavar="COMMAND", help="after --, with its arguments")
-    command.set_defaults(command=_lazy("vcan", "vcan"))
-
-
-def _lazy(module: str, name: str) -> Command:
-    """A command whose imports wait until it is wanted, so that --help is there at once."""
-
-    def command(options: argparse.Namespace) -> int:
-        function: Command = getattr(import_module(f"simulators.commands.{module}"), name)
-        return function(options)
-
-    return command

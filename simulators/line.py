@@ -2,10 +2,12 @@
 
 import logging
 import time
+from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 
 import can
+from can.interfaces.udp_multicast import UdpMulticastBus
 
 from simulators.errors import UserError
 from simulators.wire import Frame
@@ -16,8 +18,7 @@ OpenBus = Callable[[], can.BusABC]
 
 FAILURES = (can.CanError, OSError)
 SHORTEST_PAUSE, LONGEST_PAUSE = 0.1, 5.0  # seconds until the next attempt to open the bus
-ECHO_TIME = 1.0  # seconds within which an own frame may come back
-ECHO_ROOM = 1000
+MOST_ECHOES = 256  # own frames that are waited for; older ones have been lost
 
 
 class Line:
@@ -25,32 +26,35 @@ class Line:
 
     def __init__(self, open_bus: OpenBus) -> None:
         """Raises `UserError` if the bus cannot be opened."""
-        try:
-            self._bus: can.BusABC | None = open_bus()
-        except FAILURES as failure:
-            raise UserError(f"the bus cannot be opened: {_words(failure)}") from failure
         self._open = open_bus
-        self._echoes = Echoes()
+        self._bus: can.BusABC | None = None
+        self._echoes: deque[Frame] | None = None  # own frames a bus will bring back, if it does
         self._failing = False
         self._pause = SHORTEST_PAUSE
         self._next_attempt = 0.0
+        try:
+            self._connect()
+        except FAILURES as failure:
+            raise UserError(f"the bus cannot be opened: {_words(failure)}") from failure
 
     def transmit(self, frame: Frame, sender: str) -> None:
         """Send what comes from a node; lost while the bus fails."""
         if self._bus is None or not sender:
             return
-        message = can.Message(
-            arbitration_id=frame.can_id,
-            is_extended_id=frame.extended,
-            is_remote_frame=frame.remote,
-            data=Data(frame.data),
-        )
+        if self._echoes is not None:
+            self._echoes.append(frame)
         try:
-            self._bus.send(message)
+            self._bus.send(
+                Message(
+                    arbitration_id=frame.can_id,
+                    is_extended_id=frame.extended,
+                    is_remote_frame=frame.remote,
+                    data=frame.data,
+                )
+            )
         except FAILURES as failure:
             self._fail(failure)
             return
-        self._echoes.expect(frame)
         if self._failing:
             self._recover()
 
@@ -66,11 +70,12 @@ class Line:
             return None
         if message is None or message.is_error_frame or message.is_fd:
             return None
-        if self._failing:
-            self._recover()
         extended, remote = message.is_extended_id, message.is_remote_frame
         frame = Frame(message.arbitration_id, bytes(message.data), remote, extended)
-        return None if frame in self._echoes else frame
+        if self._echoes is not None and frame in self._echoes:
+            self._echoes.remove(frame)
+            return None
+        return frame
 
     def close(self) -> None:
         """Leave the bus."""
@@ -79,13 +84,17 @@ class Line:
                 self._bus.shutdown()
         self._bus = None
 
+    def _connect(self) -> None:
+        self._bus = bus = self._open()
+        self._echoes = deque(maxlen=MOST_ECHOES) if _echoes(bus) else None
+
     def _reopen(self, wait: float) -> None:
         left = self._next_attempt - time.monotonic()
         if left > 0:
             time.sleep(min(left, wait))
             return
         try:
-            self._bus = self._open()
+            self._connect()
         except FAILURES as failure:
             self._fail(failure)
 
@@ -100,40 +109,29 @@ class Line:
         self._pause = min(2 * self._pause, LONGEST_PAUSE)
 
     def _recover(self) -> None:
-        """A bus that can be opened does not work yet: a frame went over it."""
+        """A frame has been sent: a bus that can be opened, or heard, need not work."""
         log.warning("the bus works again")
         self._failing = False
         self._pause = SHORTEST_PAUSE
 
 
-class Data(bytearray):
-    """The data of a message, copied in one go: python-can's virtual bus copies every message."""
+class Message(can.Message):
+    """A message that is cheap to copy: python-can's virtual bus makes deep copies."""
 
-    def __deepcopy__(self, memo: object) -> bytearray:
-        return bytearray(self)
+    __slots__ = ()
+
+    def __deepcopy__(self, memo: object) -> can.Message:
+        return can.Message(
+            arbitration_id=self.arbitration_id,
+            is_extended_id=self.is_extended_id,
+            is_remote_frame=self.is_remote_frame,
+            data=bytearray(self.data),
+        )
 
 
-class Echoes:
-    """Own frames that the bus gives back, as UDP multicast does with every one.
-
-    Nothing marks them; but an identifier has one producer on a CAN bus, so that a frame just like
-    one we have sent a moment ago is that one.
-    """
-
-    def __init__(self) -> None:
-        self._sent: dict[Frame, float] = {}
-        self._limit = ECHO_ROOM
-
-    def expect(self, frame: Frame) -> None:
-        """A frame has been sent."""
-        self._sent[frame] = now = time.monotonic()
-        if len(self._sent) > self._limit:
-            self._sent = {sent: at for sent, at in self._sent.items() if now - at < ECHO_TIME}
-            self._limit = 2 * len(self._sent) + ECHO_ROOM
-
-    def __contains__(self, frame: Frame) -> bool:
-        at = self._sent.get(frame)
-        return at is not None and time.monotonic() - at < ECHO_TIME
+def _echoes(bus: can.BusABC) -> bool:
+    """Whether a bus gives the sender its own frames back, which nothing marks as such."""
+    return isinstance(bus, UdpMulticastBus) or getattr(bus, "receive_own_messages", False)
 
 
 def _words(failure: Exception) -> str:

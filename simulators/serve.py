@@ -4,7 +4,6 @@ import logging
 import time
 from collections.abc import Callable
 
-from simulators.clock import Clock
 from simulators.line import Line, OpenBus
 from simulators.segment import Segment
 
@@ -34,40 +33,36 @@ def serve(
         segment.deliver()
         if ready is not None:
             ready()
-        pace = Pace(segment.clock)
-        while not stopped():
-            frame = line.receive(pace.wait())
-            segment.advance_to(pace.follow())
-            if frame is not None:
-                segment.send(frame)
+        drive(segment, line, stopped)
     finally:
         segment.listeners.remove(line.transmit)
         line.close()
 
 
-class Pace:
-    """How far a clock may go: real time sets the pace. Times are in seconds of the clock."""
+def drive(
+    segment: Segment,
+    line: Line,
+    stopped: Callable[[], bool],
+    wall: Callable[[], float] = time.monotonic,
+) -> None:
+    """Let a segment keep pace with the seconds of `wall` and hear what comes over a line.
 
-    def __init__(self, clock: Clock, wall: Callable[[], float] = time.monotonic) -> None:
-        self._clock = clock
-        self._wall = wall
-        self._origin = wall() - clock.now
-        self._reached = clock.now
-        self._due = 0.0
-
-    def wait(self) -> float:
-        """Seconds until the clock has something to do, 0.02 at most."""
-        self._due = due = self._clock.next_deadline
-        left = due - self._wall() + self._origin
-        return LONGEST_WAIT if left > LONGEST_WAIT else max(left, 0.0)
-
-    def follow(self) -> float:
-        """The time the clock may go to now, never beyond what is due."""
-        now = self._wall() - self._origin
-        if now - self._reached > LONGEST_GAP:
-            gap = now - self._reached
+    The clock goes on by one deadline at a time: a model that is late leaves room for frames. After
+    a gap, as of a suspended process, it goes on from where it stood.
+    """
+    clock, receive, advance_to, send = segment.clock, line.receive, segment.advance_to, segment.send
+    reached = clock.now
+    origin = wall() - reached
+    while not stopped():
+        due = clock.next_deadline
+        left = due - wall() + origin
+        frame = receive(LONGEST_WAIT if left > LONGEST_WAIT else max(left, 0.0))
+        gap = wall() - origin - reached
+        if gap > LONGEST_GAP:
             log.warning("%.1f s of real time are left out: suspended, or too slow", gap)
-            self._origin += now - self._reached
-            now = self._reached
-        self._reached = now = min(now, self._due)
-        return now
+            origin += gap
+            gap = 0.0
+        reached = min(reached + gap, due)
+        advance_to(reached)
+        if frame is not None:
+            send(frame)

@@ -52,8 +52,11 @@ class Slave(LocalNode):
         self.profile = profile or Profile()
         self.entries: dict[int, dict[int, Entry]] = {}
         self.on_communication_change: Callable[[], None] = lambda: None
+        self.dummies: dict[int, int] = {}  # those the EDS allows, with their bits
         for index, item in od.indices.items():
-            if index not in DUMMIES:
+            if index in DUMMIES:
+                self.dummies[index] = len(item)
+            else:
                 self._add(index, item)
         wire.shut = False
         for other in list(wire):

@@ -9,7 +9,7 @@ from simulators.objects import Abort, Object, Rejected
 from simulators.profile import Profile
 from simulators.services.emcy import Emcy
 
-LEVEL, EVEN, REFUSING, FAULTY, BYTES = ((0x2100 + n, 0) for n in range(5))
+LEVEL, EVEN, REFUSING, FAULTY, BYTES, TWICE = ((0x2100 + n, 0) for n in range(6))
 
 
 class Probe(Device):
@@ -38,6 +38,7 @@ class Probe(Device):
             REFUSING: Object(read=self._refuse, write=self._refuse),
             FAULTY: Object(read=self._fall_over, write=self._fall_over),
             BYTES: Object(read=lambda: self.content),
+            TWICE: Object(read=lambda: 2 * self.level),
         }
 
     @property

@@ -7,6 +7,7 @@ import pytest
 
 from simulators import devices
 from simulators.cli import main
+from simulators.commands.lock import held
 from simulators.resources import od_file, scenarios
 
 RUN = [sys.executable, "-m", "simulators", "run", "topcon", "-n", "5", "-i", "virtual", "-c", "cli"]
@@ -71,7 +72,12 @@ WRONG = [
     (["run", "topcon", "--set", "load"], "--set load: write it as KEY=VALUE"),
     (["run", "topcon", "--set", "serial=x"], "setting 'serial' wants a whole number, not 'x'"),
     (["play", "nothing.yaml"], "unknown scenario 'nothing.yaml'"),
-    (["run", "topcon", "--nvram", "/nowhere/memory"], "a directory that exists"),
+    (["run", "topcon", "--nvram", "/nowhere/memory"], "/nowhere/memory cannot be kept there"),
+    (["run", "topcon", "-i", "slcan", "-c", "/nowhere"], "the bus cannot be opened: "),
+    (
+        ["run", "another", "--scenario", "topcon_overvoltage.yaml"],
+        "topcon_overvoltage.yaml is about topcon, not about another",
+    ),
 ]
 
 
@@ -93,6 +99,21 @@ def test_what_is_no_command_is_refused_with_its_usage(said, arguments):
 
 def test_the_version_is_that_of_the_package(said):
     assert said("--version")[:2] == (0, "0.1.0\n")
+
+
+def test_verbose_may_be_said_before_and_after_the_command(said):
+    assert said("-v", "list") == said("list", "-vv")
+
+
+def test_help_is_there_without_the_imports_of_the_commands():
+    code = """if True:
+        import sys
+        from simulators.cli import parser
+        parser().format_help()
+        print([name for name in ("can", "canopen", "yaml", "json") if name in sys.modules])
+    """
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 0), (signal.SIGINT, 130)])
@@ -128,3 +149,56 @@ steps:
     done = subprocess.run([*RUN, "--scenario", story], capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert "FAIL" in done.stdout
+
+
+STORY = """\
+version: 1
+node: {device: topcon, node_id: 5, settings: {serial: 77}}
+steps:
+  - at: 0
+    expect: {value: {0x1018:04: 77}}
+"""
+SAVE, STORED = (
+    f"version: 1\nnode: {{device: topcon, node_id: 5}}\nsteps:\n  - at: 0\n    {step}\n"
+    for step in (
+        "write: {0x2010: 1340, 0x1010:01: 0x65766173}",
+        "expect: {value: {0x2010: 1340}}",
+    )
+)
+
+
+@pytest.fixture
+def told(said, tmp_path):
+    """Run a scenario beside a master, with further options."""
+
+    def run(story, *options):
+        (tmp_path / "story.yaml").write_text(story)
+        bus = ["-i", "virtual", "-c", str(tmp_path)]
+        return said("run", "topcon", *bus, "--scenario", f"{tmp_path}/story.yaml", *options)
+
+    return run
+
+
+def test_a_run_takes_the_settings_of_its_scenario_unless_told_otherwise(told):
+    assert told(STORY)[0] == 0
+    assert told(STORY, "--set", "serial=78")[0] == 1
+
+
+def test_what_a_device_stores_is_there_in_the_next_run(told, tmp_path):
+    memory = str(tmp_path / "memory")
+    assert told(STORED, "--nvram", memory)[0] == 1
+    assert told(SAVE, "--nvram", memory)[0] == 0
+    assert told(STORED, "--nvram", memory)[0] == 0
+
+
+def test_a_memory_belongs_to_one_run_at_a_time(said, tmp_path):
+    memory = tmp_path / "memory"
+    with held(memory):
+        code, _, err = said("run", "topcon", "-i", "virtual", "--nvram", str(memory))
+    assert (code, err) == (2, f"canopen-twin: {memory} belongs to another run\n")
+
+
+def test_a_run_leaves_the_signals_as_they_were(told):
+    before = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
+    told(STORY)
+    assert (signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)) == before

@@ -40,9 +40,10 @@ def settings(options: argparse.Namespace) -> int:
     for entry in fields(devices.find(options.device).settings_type):
         told = about(entry)
         unit = f" [{told.unit}]" if told.unit else ""
+        within = f", {told.range}" if told.range else ""
         live = "; may change while running" if told.live else ""
         default = entry.default if isinstance(entry.default, str) else str(entry.default).lower()
-        rows.append((entry.name, default, told.assumed, f"{told.text}{unit}{live}"))
+        rows.append((entry.name, default, told.assumed, f"{told.text}{unit}{within}{live}"))
     _table(rows)
     return 0
 
@@ -74,7 +75,7 @@ def _entries(device: Device) -> Iterator[tuple[str, ...]]:
 
 
 def _entry(variable: Any) -> tuple[str, ...]:
-    limits = "" if variable.max is None else f"{variable.min or 0}..{variable.max}"
+    ends = ["" if end is None else str(end) for end in (variable.min, variable.max)]
     default = "" if variable.default is None else variable.default
     return (
         f"0x{variable.index:04X}:{variable.subindex:02X}",
@@ -82,7 +83,7 @@ def _entry(variable: Any) -> tuple[str, ...]:
         TYPES.get(variable.data_type, "?"),
         variable.access_type,
         f"0x{default:X}" if isinstance(default, int) and default > 9 else str(default),
-        limits,
+        "..".join(ends) if any(ends) else "",
     )
 
 

@@ -1,13 +1,12 @@
 """Scenarios: play them, or say what is wrong with them."""
 
 import argparse
-import dataclasses
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 from simulators import replay
 from simulators.errors import UserError, unknown
-from simulators.replay.scenario import Scenario
 from simulators.resources import scenario_file, scenarios
 
 FAILED, WRONG_INPUT = 1, 2
@@ -37,15 +36,15 @@ def check(options: argparse.Namespace) -> int:
     return WRONG_INPUT if wrong else 0
 
 
-def load(name: str) -> Scenario:
-    """A scenario from a file, or one that is shipped; its file is called as the user calls it.
+def load(name: str) -> replay.Scenario:
+    """A scenario from a file, or one that is shipped; verdicts call it as the user does.
 
     Raises:
-        UserError: there is neither, or the file has mistakes.
+        UserError: there is neither, or something is wrong with it.
     """
-    if Path(name).exists() or "/" in name:
-        return replay.load(Path(name))
-    if name not in scenarios():
+    if name in scenarios() and not Path(name).exists():
+        with scenario_file(name) as path:
+            return replace(replay.load(path), file=Path(name))
+    if not Path(name).exists() and Path(name).name == name:
         raise unknown("scenario", name, scenarios())
-    with scenario_file(name) as path:
-        return dataclasses.replace(replay.load(path), file=Path(name))
+    return replay.load(Path(name))

@@ -29,9 +29,10 @@ def load(path: Path, find: Find = devices.find) -> Scenario:
         with problems.at(version):
             _check(version)
     texts = {"name": path.stem, "note": ""}
-    for key in texts.keys() & fields.keys():
-        with problems.at(fields[key]):
-            texts[key] = fields[key].text
+    for key, text in fields.items():
+        if key in texts:
+            with problems.at(text):
+                texts[key] = text.text
     nodes: dict[str, NodeSpec] = {}
     if node := fields.get("node"):
         with problems.at(node):

@@ -97,7 +97,8 @@ class EmcyLike:
         return _emcy(*_fields(frame.data))
 
     def __str__(self) -> str:
-        return f"EMCY {_emcy(self.code, self.register, self.detail)}"
+        any_emcy = self == EmcyLike()
+        return "EMCY" if any_emcy else f"EMCY {_emcy(self.code, self.register, self.detail)}"
 
 
 @dataclass(frozen=True)

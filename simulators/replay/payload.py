@@ -12,9 +12,8 @@ from canopen.objectdictionary.datatypes import (
 
 from simulators.errors import UserError
 from simulators.replay.document import Item
+from simulators.replay.master import EXPEDITED_ROOM
 from simulators.replay.yaml_nodes import Scalar
-
-ROOM = 4  # bytes of an expedited transfer
 
 
 def encode(variable: ODVariable, item: Item, limited: bool) -> bytes:
@@ -63,6 +62,6 @@ def _fit(item: Item, pack: Callable[[], bytes]) -> bytes:
         data = pack()
     except (ValueError, OverflowError):
         raise item.wrong(f"{item.text!r} does not fit this object") from None
-    if len(data) > ROOM:
-        raise item.wrong(f"{len(data)} bytes: a scenario writes objects of up to {ROOM}")
+    if len(data) > EXPEDITED_ROOM:
+        raise item.wrong(f"{len(data)} bytes: a scenario writes objects of up to {EXPEDITED_ROOM}")
     return data

@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 
 from simulators.clock import MICROSECONDS, microseconds
@@ -9,18 +10,26 @@ from simulators.errors import UserError
 from simulators.node import Node
 from simulators.replay.master import Master
 from simulators.replay.scenario import Expectation, Scenario, Stage, Step
-from simulators.replay.verdict import Finding, Kind, Outcome, Scene, Verdict
+from simulators.replay.verdict import Finding, Kind, Outcome, Verdict
 from simulators.replay.window import Window
+from simulators.report import SHOWN, device_state, last_frames
 from simulators.segment import Record, Segment
 from simulators.wire import Frame
 
-SHOWN = 12  # frames before something that went wrong
-
 
 class Player:
-    """Puts every step on the clock; `nodes` are those of the scenario, by its names."""
+    """Puts every step on the clock; `nodes` are those of the scenario, by its names.
+
+    Started before their power is switched on, it hears them boot.
+
+    Raises:
+        UserError: a node of the scenario is missing.
+    """
 
     def __init__(self, scenario: Scenario, segment: Segment, nodes: Mapping[str, Node]) -> None:
+        for name in scenario.nodes:
+            if name not in nodes:
+                raise UserError(f"{scenario.file} is about a {name}; here is {', '.join(nodes)}")
         self.scenario = scenario
         self._segment = segment
         self._clock = segment.clock
@@ -99,13 +108,13 @@ class Player:
         self._outcomes.append(self._outcome(step, finding, self._clock.ticks))
 
     def _outcome(self, step: Step, finding: Finding, tick: int) -> Outcome:
-        scene = None if finding.kind is Kind.PASS else self._scene(self._nodes[step.node])
         time, what = self._time(tick), str(step.action)
-        return Outcome(finding.kind, time, step.line, what, finding.seen, step.note, scene)
-
-    def _scene(self, node: Node) -> Scene:
-        faults = {name: dict(values) for name, values in node.faults.active.items()}
-        return Scene(node.state, faults, node.device.report, tuple(self._recent))
+        outcome = Outcome(finding.kind, time, step.line, what, finding.seen, step.note)
+        if finding.kind is Kind.PASS:
+            return outcome
+        frames = last_frames(tuple(self._recent), tuple(self._nodes.values()))
+        state = device_state(self._nodes[step.node])
+        return replace(outcome, scene=f"{frames}\n{state}")
 
     def _time(self, tick: int) -> float:
         return (tick - self._begin) / MICROSECONDS

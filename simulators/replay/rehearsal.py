@@ -26,7 +26,7 @@ class Rehearsal:
         """Live settings; notes as a problem what the device does not take."""
         known = [field.name for field in fields(self._device.settings_type)]
         taken = {}
-        for name, pair in item.pairs.items():
+        for name, pair in item.some_pairs.items():
             with item.problems.at(pair.place(known)):
                 if name not in known:
                     raise unknown("setting", name, known)

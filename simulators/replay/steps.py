@@ -48,7 +48,8 @@ class StepReader:
                 raise value.wrong(f"{key!r} stands beside {BESIDE[key]!r} only")
         if self._rehearsal is None:
             return None
-        return VERBS[verb].parse(fields[verb], self._rehearsal, **beside)
+        with fields[verb].blamed():
+            return VERBS[verb].parse(fields[verb], self._rehearsal, **beside)
 
     def _check_order(self, item: Item, at: float, action: Action) -> None:
         """What is expected of a moment is judged when it is over, so it stands behind."""

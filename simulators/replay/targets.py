@@ -1,4 +1,4 @@
-"""Objects as a scenario names them: "Run command", "Record.Entry", 0x2014 or 0x1800:2."""
+"""Objects as a scenario names them: "Run command", "Record.Entry", 0x2014 or 0x1003:0A."""
 
 import re
 from collections.abc import Iterator
@@ -8,12 +8,11 @@ from canopen import ObjectDictionary
 from canopen.objectdictionary import ODVariable
 from canopen.objectdictionary.datatypes import VISIBLE_STRING
 
-from simulators.errors import unknown
+from simulators.errors import UserError, unknown
 from simulators.objects import Address
 from simulators.replay.document import Item
 
-ADDRESS = re.compile(r"0x([0-9A-Fa-f]{1,4})(?::(0x[0-9A-Fa-f]{1,2}|0?[0-9]|[1-9][0-9]{1,2}))?")
-HIGHEST_SUBINDEX = 0xFF
+ADDRESS = re.compile(r"0x([0-9A-Fa-f]{4})(?::([0-9A-Fa-f]{2}))?")
 
 
 @dataclass(frozen=True)
@@ -47,11 +46,12 @@ class Targets:
         Raises:
             UserError: it is not.
         """
-        address = _address(item)
-        text = item.text if address is None else _text(address, ":" in item.text)
-        if text not in self._known:
-            raise unknown("object", item.text, self._known)
-        variable = self._known[text]
+        name = item.text
+        if name.startswith("0x"):
+            name = self._text(name)
+        if name not in self._known:
+            raise unknown("object", name, self._known)
+        variable = self._known[name]
         return Target(item.text, (variable.index, variable.subindex), variable)
 
     def find_any(self, item: Item) -> Target:
@@ -60,34 +60,31 @@ class Targets:
         Raises:
             UserError: no object has this name.
         """
-        address = _address(item)
-        if address is None:
+        if not (match := ADDRESS.fullmatch(item.text)):
             return self.find(item)
-        return Target(item.text, address, self._known.get(_text(address, True)))
+        address = int(match[1], 16), int(match[2] or "0", 16)
+        return Target(item.text, address, self._known.get(_text(*address)))
+
+    def _text(self, address: str) -> str:
+        if not ADDRESS.fullmatch(address):
+            raise UserError(f"{address!r} is no address; addresses look like 0x2014 or 0x1003:0A")
+        text = f"0x{address[2:].upper()}"
+        if f"{text}:00" in self._known and text not in self._known:
+            raise UserError(f"{text} is a record: say which entry of it, such as {text}:01")
+        return text
 
 
 def _named(od: ObjectDictionary) -> Iterator[tuple[str, ODVariable]]:
     for name, item in od.names.items():
         if isinstance(item, ODVariable):
             yield name, item
-            yield _text((item.index, 0), False), item
-            yield _text((item.index, 0), True), item
-            continue
-        for variable in item.subindices.values():
-            yield f"{name}.{variable.name}", variable
-            yield _text((variable.index, variable.subindex), True), variable
+            yield f"0x{item.index:04X}", item
+            yield _text(item.index, 0), item
+        else:
+            for variable in item.subindices.values():
+                yield f"{name}.{variable.name}", variable
+                yield _text(variable.index, variable.subindex), variable
 
 
-def _address(item: Item) -> Address | None:
-    if not (match := ADDRESS.fullmatch(item.text)):
-        return None
-    index, subindex = match[1], match[2] or "0"
-    number = int(subindex, 16 if subindex.startswith("0x") else 10)
-    if number > HIGHEST_SUBINDEX:
-        raise item.wrong(f"sub-index {number} is not in 0..{HIGHEST_SUBINDEX}")
-    return int(index, 16), number
-
-
-def _text(address: Address, with_subindex: bool) -> str:
-    index, subindex = address
-    return f"0x{index:04X}:{subindex}" if with_subindex else f"0x{index:04X}"
+def _text(index: int, subindex: int) -> str:
+    return f"0x{index:04X}:{subindex:02X}"

@@ -23,11 +23,11 @@ def parse_expect(item: Item, rehearsal: Rehearsal) -> Expectation:
     """One kind, and the seconds it may take: `{emcy: none, within: 0.5}`."""
     fields = item.fields((), (*KINDS, "within"))
     kind = item.choice("expect", fields, KINDS)
-    if "within" in fields:
-        return KINDS[kind](fields[kind], fields["within"].seconds, rehearsal)
-    if kind != "value":
+    if "within" not in fields and kind != "value":
         item.problems.add(item.mark, "'within' is missing: the seconds it may take")
-    return KINDS[kind](fields[kind], 0.0, rehearsal)
+    within = fields["within"].seconds if "within" in fields else 0.0
+    with fields[kind].blamed():
+        return KINDS[kind](fields[kind], within, rehearsal)
 
 
 def parse_emcy(item: Item, within: float, rehearsal: Rehearsal) -> Expectation:
@@ -35,13 +35,9 @@ def parse_emcy(item: Item, within: float, rehearsal: Rehearsal) -> Expectation:
     if not item.is_mapping:
         item.one_of("EMCY", [NONE])
         return Never(within, EmcyLike())
-    fields = item.fields((), EMCY_FIELDS)
-    if not item.pairs:
-        raise item.wrong("which EMCY? wanted is code, register, detail or some of them")
-    return Comes(
-        within,
-        EmcyLike(**{name: field.whole_up_to(EMCY_FIELDS[name]) for name, field in fields.items()}),
-    )
+    fields = item.fields((), EMCY_FIELDS) if item.some_pairs else {}
+    told = {name: field.whole_up_to(EMCY_FIELDS[name]) for name, field in fields.items()}
+    return Comes(within, EmcyLike(**told))
 
 
 def parse_frame(item: Item, within: float, rehearsal: Rehearsal) -> Expectation:
@@ -66,9 +62,9 @@ def parse_silence(item: Item, within: float, rehearsal: Rehearsal) -> Expectatio
 
 
 def parse_value(item: Item, within: float, rehearsal: Rehearsal) -> Expectation:
-    """`{Actual voltage: 1340}`, `{0x2020: {is: 1340, within: 2}}`, `{0x2020: {min: 1, max: 9}}`."""
+    """`{Actual voltage: 1340}`, `{0x2020: {is: 9, tolerance: 2}}`, `{0x2020: {min: 1, max: 9}}`."""
     wanted = []
-    for pair in item.pairs.values():
+    for pair in item.some_pairs.values():
         with item.problems.at(pair.key):
             target = rehearsal.targets.find(pair.key)
             wanted.append((target, _wanted(target, pair.value)))
@@ -80,15 +76,20 @@ def _wanted(target: Target, item: Item) -> Range | Text:
         return Text(item.text)
     if not item.is_mapping:
         return Range(item.number, item.number, _is_hexadecimal(item))
-    fields = item.fields((), ("is", "within", "min", "max"))
-    numbers = {key: field.number for key, field in fields.items()}
+    fields = item.fields((), ("is", "tolerance", "min", "max"))
+    low, high = _ends(item, {key: field.number for key, field in fields.items()})
+    if low > high:
+        raise item.wrong(f"no value is in {low}..{high}")
+    return Range(low, high, any(map(_is_hexadecimal, fields.values())))
+
+
+def _ends(item: Item, numbers: Mapping[str, float]) -> tuple[float, float]:
     if "is" in numbers and not numbers.keys() & {"min", "max"}:
-        middle, width = numbers["is"], numbers.get("within", 0)
-        return Range(middle - width, middle + width, _is_hexadecimal(fields["is"]))
-    if numbers and not numbers.keys() & {"is", "within"}:
-        hexadecimal = any(map(_is_hexadecimal, fields.values()))
-        return Range(numbers.get("min", -inf), numbers.get("max", inf), hexadecimal)
-    raise item.wrong("wanted is {is: 5}, {is: 5, within: 1}, {min: 4}, {max: 6} or both of these")
+        width = numbers.get("tolerance", 0)
+        return numbers["is"] - width, numbers["is"] + width
+    if numbers and not numbers.keys() & {"is", "tolerance"}:
+        return numbers.get("min", -inf), numbers.get("max", inf)
+    raise item.wrong("wanted is {is: 5}, {is: 5, tolerance: 1}, {min: 4} or {max: 6} or both")
 
 
 def _is_hexadecimal(item: Item) -> bool:

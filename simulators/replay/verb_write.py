@@ -64,8 +64,10 @@ def _answer(code: int | None) -> str:
 
 
 def parse_write(item: Item, rehearsal: Rehearsal, abort: Item | None = None) -> Action:
-    """`{Run command: 1}`, `{0x1800:2: 253}`; with `abort` the one object is refused."""
+    """`{Run command: 1}`, `{0x1800:02: 253}`; with `abort` the one object is refused."""
     code = ACCEPTED if abort is None else abort.whole_up_to(HIGHEST_CODE)
+    if abort is not None and code == ACCEPTED:
+        raise abort.wrong(f"{abort.text} is no abort code; they look like 0x06090030")
     if code and len(item.pairs) > 1:
         raise item.wrong("one object at a time can be refused; make it several steps")
     return Write(tuple(_downloads(item, rehearsal, bool(code))), code)
@@ -73,7 +75,7 @@ def parse_write(item: Item, rehearsal: Rehearsal, abort: Item | None = None) -> 
 
 def _downloads(item: Item, rehearsal: Rehearsal, refused: bool) -> list[Download]:
     downloads = []
-    for pair in item.pairs.values():
+    for pair in item.some_pairs.values():
         with item.problems.at(pair.key):
             downloads.append(_download(pair, rehearsal, refused))
     return downloads

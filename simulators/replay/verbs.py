@@ -119,7 +119,7 @@ def parse_inject(item: Item, rehearsal: Rehearsal) -> Action:
     if not item.is_mapping:
         return Inject({item.text: rehearsal.inject(item, {})})
     faults = {}
-    for name, pair in item.pairs.items():
+    for name, pair in item.some_pairs.items():
         with item.problems.at(pair.value):
             faults[name] = rehearsal.inject(pair.key, pair.value.pairs)
     return Inject(faults)

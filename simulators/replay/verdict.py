@@ -1,11 +1,8 @@
 """What came of a scenario: an outcome for everything that was expected or went wrong."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, NamedTuple
-
-from simulators.segment import Record
+from typing import NamedTuple
 
 
 class Kind(StrEnum):
@@ -25,29 +22,6 @@ class Finding(NamedTuple):
     seen: str
 
 
-class Scene(NamedTuple):
-    """How things stood at a moment."""
-
-    state: str
-    """NMT state of the node."""
-    faults: Mapping[str, Mapping[str, Any]]
-    """Active faults with their parameters."""
-    report: Mapping[str, object]
-    """What a look at the model shows."""
-    frames: tuple[Record, ...]
-    """The last frames on the bus, with the times of the scenario."""
-
-    def __str__(self) -> str:
-        faults = ", ".join(_call(*fault) for fault in self.faults.items()) or "none"
-        report = ", ".join(f"{name} {value}" for name, value in self.report.items())
-        told = [f"node {self.state}; faults: {faults}", *([report] if report else [])]
-        return "\n".join([*told, *(f"{record}  {record.sender}" for record in self.frames)])
-
-
-def _call(name: str, parameters: Mapping[str, Any]) -> str:
-    return f"{name}({', '.join(f'{key}={value}' for key, value in parameters.items())})"
-
-
 @dataclass(frozen=True)
 class Outcome:
     """One expectation, or one step that could not be carried out."""
@@ -60,8 +34,8 @@ class Outcome:
     what: str
     seen: str
     note: str = ""
-    scene: Scene | None = None
-    """Only for what did not pass."""
+    scene: str = ""
+    """The last frames in words and how the node was then, for what did not pass."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +68,7 @@ class Verdict:
     def _lines(self, outcome: Outcome) -> list[str]:
         head = f"  {outcome.kind:5} {outcome.time:12.6f} s  {self.file}:{outcome.line}: "
         lines = [f"{head}{outcome.what}: {outcome.seen}"]
-        if outcome.scene is not None:
+        if outcome.scene:
             note = [f"note: {outcome.note}"] if outcome.note else []
-            lines += [f"        {line}" for line in (*note, *str(outcome.scene).splitlines())]
+            lines += [f"        {line}" for line in (*note, *outcome.scene.splitlines())]
         return lines

@@ -79,16 +79,9 @@ class Pdo(Service):
 
     def _check_cob_id(self, value: int) -> None:
         before = self.slave.number(self.record, COB_ID)
-        changed = (before ^ value) & ~cob_ids.INVALID
         if self._fixed & ~value:
             raise Rejected("bit 30 of this RPDO is always 1")
-        valid, stays_valid = not before & cob_ids.INVALID, not value & cob_ids.INVALID
-        if valid and changed and (stays_valid or self.slave.profile.strict_cob_id):
-            raise Rejected("bit 31 has to be set before the identifier changes")
-        if stays_valid:
-            cob_ids.check(value)
-        elif value & cob_ids.RESERVED:
-            raise Rejected(f"{value:08X}h: identifiers have 11 bits")
+        cob_ids.check_change(before, value, strict=self.slave.profile.strict_cob_id)
 
     def _check_type(self, value: int) -> None:
         if value not in self.types:

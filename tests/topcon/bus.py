@@ -44,3 +44,15 @@ def aborted(answer):
     if data[0] != 0x80:
         return None
     return int.from_bytes(data[1:3], "little"), data[3], int.from_bytes(data[4:], "little")
+
+
+def emcy(code, register, detail):
+    """An emergency of node 5."""
+    data = code.to_bytes(2, "little") + bytes([register]) + detail.to_bytes(5, "little")
+    return f"085#{data.hex().upper()}"
+
+
+def reset(bench):
+    """Reset the errors (command 2); the last frame that follows."""
+    bench.sdo["Run command"].raw = 2
+    return bench.sent[-1]

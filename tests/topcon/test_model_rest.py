@@ -157,3 +157,17 @@ def test_a_derated_stage_settles_where_heat_and_current_agree(running):
     stage.ambient = 25.0  # a door opened
     stage.step(3600.0)
     assert stage.current == pytest.approx(80, rel=1e-4)
+
+
+@pytest.mark.spec("T-192")
+@pytest.mark.parametrize("pace", [1, 7, 100])
+def test_a_stage_looked_at_all_the_time_trips_when_one_left_alone_does(running, pace):
+    limits = {"i2t_current": 50.0, "i2t_limit": 2e4}
+    watched, alone = (running(load="resistor 4", parts=FULL, figures=limits) for _ in range(2))
+    while not alone.errors:
+        alone.step(max(alone.tick, alone.rest))
+    while watched.ticks < alone.ticks - pace:
+        watched.step(pace * watched.tick)
+    assert watched.errors == ()
+    watched.step(pace * watched.tick)
+    assert watched.errors == alone.errors == (0x20,)

@@ -41,10 +41,14 @@ def test_a_strict_card_wants_bit_31_set_by_a_write_of_its_own(index):
 
 
 @pytest.mark.spec("A-26")
-@pytest.mark.parametrize("value", ["05020000", "05020080", "06020080"])
-def test_a_strict_card_wants_bit_30_of_an_rpdo_set(value):
+@pytest.mark.parametrize("value", ["05020000", "05020080", "06020000", "06020080"])
+@pytest.mark.parametrize("off_before", [False, True])
+def test_a_strict_card_wants_bit_30_of_an_rpdo_set(value, off_before):
     bench = Bench("topcon", node_id=5, **STRICT)
+    if off_before:
+        write(bench, "1400", "050200C0")
     assert write(bench, "1400", value) == refused("1400")
+    write(bench, "1400", "05020040")
     bench.send(START)
     bench.send("205#E803")
     assert bench.sdo["Voltage reference"].raw == 1000

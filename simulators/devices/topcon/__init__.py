@@ -127,6 +127,10 @@ class Device(device.Device):
         self._register_values: dict[int, int] = {}
         self._start_card()
 
+    def power_off(self) -> None:
+        """The output goes with the supply; nothing is simulated until the next power-on (A-76)."""
+        self.stage.stop()
+
     def reset_node(self) -> None:
         """The card starts anew and stops the output; errors of the unit stay (A-58, A-60)."""
         self.stage.stop()

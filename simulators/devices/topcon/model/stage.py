@@ -96,14 +96,17 @@ class OutputStage(Plant):
         while (due := int(self._owed + 1e-6)) > 0:
             rest = self.rest
             ticks = max(1, ceil(min(rest / self.tick, due) - 1e-6))
+            self._owed -= ticks
             if rest and pace.settled(self):
                 self.coast(ticks)
+                self._ahead = rest - ticks * self.tick
+                if self._ahead > 1e-6 * self.tick:
+                    continue  # what is watched cannot have changed before that time is over
             else:
                 self.flow(ticks)
             self._supervise()
             self.mains_before = self.mains
             self._look_ahead()
-            self._owed -= ticks
 
     def _look_ahead(self) -> None:
         ahead = 0.0 if self._latches.pending else pace.ahead(self)
