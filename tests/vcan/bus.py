@@ -69,7 +69,7 @@ class Process:
 
 
 class Twin(Process):
-    """`canopen-twin run` on vcan0."""
+    """`canopen-twin run` on vcan0, which has to end well and without a word."""
 
     def __init__(self, device, node_id, *options):
         command = [sys.executable, "-m", "simulators", "run", device, "-n", str(node_id)]
@@ -80,7 +80,8 @@ class Twin(Process):
 
     def stop(self):
         super().stop()
-        assert (self.process.returncode, self.out, self.err) == (0, b"", b"")
+        if self.process.returncode or self.out or self.err:
+            raise AssertionError(f"{self.process.returncode}: {self.out!r} {self.err.decode()}")
 
 
 class Candump(Process):
