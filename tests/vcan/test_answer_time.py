@@ -22,6 +22,6 @@ def test_an_answer_takes_ten_milliseconds_at_most_while_the_model_steps(run, cap
     p50, p99, longest = (times[int(share * (len(times) - 1))] for share in (0.5, 0.99, 1.0))
     with capsys.disabled():
         print(
-            f"\nSDO upload while the model steps: p50 {p50:.2f}, p99 {p99:.2f}, max {longest:.2f} ms"
+            f"\nSDO upload with the model busy: p50 {p50:.2f}, p99 {p99:.2f}, max {longest:.2f} ms"
         )
     assert p99 < LIMIT
