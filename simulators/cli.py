@@ -22,6 +22,7 @@ PROGRAM = "canopen-twin"
 
 DEVICE = "one of `canopen-twin list`"
 SCENARIO = "a file, or the name of one that is shipped"
+HUB = "join a hub (default: 127.0.0.1:29536)"
 VERBOSE = "tell more; -vv the most"
 
 Command = Callable[[argparse.Namespace], int]
@@ -86,6 +87,7 @@ def parser() -> argparse.ArgumentParser:
     commands = top.add_subparsers(metavar="COMMAND", required=True, parser_class=Parser)
     _catalogue(commands)
     _run(commands)
+    _hub(commands)
     for name, text in (
         ("play", "play scenarios in simulated time: a trace in candump format, then the verdict"),
         ("check", "say what is wrong with scenarios, without playing them"),
@@ -134,7 +136,18 @@ def _run(commands: Commands) -> None:
     command.add_argument(
         "--nvram", type=Path, metavar="FILE", help="keep what the device stores in a file"
     )
+    command.add_argument(
+        "--hub", nargs="?", const="", metavar="HOST:PORT", help=f"{HUB}; the bus is that of -c"
+    )
     command.late = _bus_arguments
+
+
+def _hub(commands: Commands) -> None:
+    text = "run a hub: buses that every process of this machine can join, with no vcan and no root"
+    command = _command(commands, "hub", text, "hub", "hub")
+    command.add_argument(
+        "--listen", default="", metavar="HOST:PORT", help="where (default: 127.0.0.1:29536)"
+    )
 
 
 def _bus_arguments(command: argparse.ArgumentParser) -> None:

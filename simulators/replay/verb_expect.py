@@ -89,9 +89,7 @@ def _ends(item: Item, numbers: Mapping[str, float]) -> tuple[float, float]:
         return numbers["is"] - width, numbers["is"] + width
     if numbers and not numbers.keys() & {"is", "tolerance"}:
         return numbers.get("min", -inf), numbers.get("max", inf)
-    raise item.wrong(
-        "wanted is {is: 5}, {is: 5, tolerance: 1}, {min: 4} or {max: 6} or both"
-    )
+    raise item.wrong("wanted is {is: 5}, {is: 5, tolerance: 1}, {min: 4} or {max: 6} or both")
 
 
 def _is_hexadecimal(item: Item) -> bool:
