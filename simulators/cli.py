@@ -123,9 +123,9 @@ def _catalogue(commands: Commands) -> None:
 
 
 def _run(commands: Commands) -> None:
-    text = "run a twin on a CAN bus in real time, until it is stopped or its scenario is over"
+    text = "run twins on a CAN bus in real time, until they are stopped or a scenario is over"
     command = _command(commands, "run", text, "run", "run")
-    command.add_argument("device", metavar="DEVICE", help=DEVICE)
+    command.add_argument("device", metavar="DEVICE", help=f"{DEVICE}, or a bench file")
     command.add_argument(
         "-n", "--node-id", type=partial(int, base=0), metavar="ID", help="1..127, or as 0x05"
     )
@@ -138,6 +138,9 @@ def _run(commands: Commands) -> None:
     )
     command.add_argument(
         "--hub", nargs="?", const="", metavar="HOST:PORT", help=f"{HUB}; the bus is that of -c"
+    )
+    command.add_argument(
+        "--real-bus", action="store_true", help="the bus may have real devices on it"
     )
     command.late = _bus_arguments
 

@@ -1,22 +1,22 @@
-"""A twin on a CAN bus in real time."""
+"""Twins on a CAN bus in real time."""
 
 import argparse
 import json
-from collections.abc import Mapping
 from contextlib import nullcontext
 
-from simulators import devices, replay
+from simulators import replay
 from simulators.commands.bus import Place, place
+from simulators.commands.cast import cast
 from simulators.commands.lock import held
 from simulators.commands.scenarios import load
 from simulators.commands.signals import OK, Wishes, signals
-from simulators.device import Device
-from simulators.errors import UserError
-from simulators.memory import Memory
+from simulators.line import OpenBus
+from simulators.lookout import looking
 from simulators.segment import Segment
 from simulators.serve import serve
 
 FAILED = 1
+LOOK, LONG_LOOK = 0.3, 1.5  # seconds; on a real bus a heartbeat of a second should be heard
 
 
 def run(options: argparse.Namespace) -> int:
@@ -26,20 +26,21 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _run(options: argparse.Namespace, wishes: Wishes) -> int:
-    bus = place(options)
     segment = Segment()
     scenario = load(options.scenario) if options.scenario else None
-    device = _device(options, _delivered(options.device, scenario))
-    node = segment.node(device, options.device)
-    player = replay.Player(scenario, segment, {options.device: node}) if scenario else None
+    nodes = {name: segment.node(device, name) for name, device in cast(options, scenario).items()}
+    bus = place(options)
+    player = replay.Player(scenario, segment, nodes) if scenario else None
     if player is not None:
         player.start()
-    node.power_on()
+    for node in nodes.values():
+        node.power_on()
+    ready = {"ready": options.device, **_who(options, segment), **bus.told}
     serve(
         segment,
-        bus.open,
+        _opening(bus, segment),
         lambda: bool(wishes) or (player is not None and player.done),
-        lambda: print(json.dumps(_ready(options, device, bus)), flush=True),
+        lambda: print(json.dumps(ready), flush=True),
     )
     if player is not None and player.done:
         print(player.verdict)
@@ -47,35 +48,15 @@ def _run(options: argparse.Namespace, wishes: Wishes) -> int:
     return wishes.code
 
 
-def _delivered(name: str, scenario: replay.Scenario | None) -> Mapping[str, object]:
-    """The settings a scenario tells its device to have.
-
-    Raises:
-        UserError: it is about another one.
-    """
-    if scenario is None:
-        return {}
-    if name not in scenario.nodes:
-        raise UserError(f"{scenario.file} is about {', '.join(scenario.nodes)}, not about {name}")
-    return scenario.nodes[name].settings
+def _opening(bus: Place, segment: Segment) -> OpenBus:
+    """With a look whether somebody is there who has one of our node ids."""
+    if bus.private:
+        return bus.open
+    node_ids = [node.node_id for node in segment.nodes]
+    return looking(bus.open, node_ids, LOOK if bus.virtual else LONG_LOOK)
 
 
-def _device(options: argparse.Namespace, delivered: Mapping[str, object]) -> Device:
-    settings = {**delivered, **dict(_pair(text) for text in options.set)}
-    if options.node_id is not None:
-        settings["node_id"] = options.node_id
-    device = devices.create(options.device, **settings)
-    if options.nvram is not None:
-        device.memory = Memory(options.nvram)
-    return device
-
-
-def _pair(text: str) -> tuple[str, str]:
-    key, equals, value = text.partition("=")
-    if not equals:
-        raise UserError(f"--set {text}: write it as KEY=VALUE")
-    return key, value
-
-
-def _ready(options: argparse.Namespace, device: Device, bus: Place) -> dict[str, object]:
-    return {"ready": options.device, "node_id": device.node_id, **bus.told}
+def _who(options: argparse.Namespace, segment: Segment) -> dict[str, object]:
+    """One node id, or those of all nodes of a bench file."""
+    ids = {node.wire.name: node.node_id for node in segment.nodes}
+    return {"node_id": ids[options.device]} if options.device in ids else {"nodes": ids}

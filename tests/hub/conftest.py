@@ -1,4 +1,7 @@
+import json
 import socket
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from queue import SimpleQueue
@@ -12,6 +15,7 @@ from simulators.hub.client import HubBus
 from simulators.hub.server import serve_hub
 
 PATIENCE = 5.0
+PROGRAM = [sys.executable, "-m", "simulators"]
 
 
 class Caller:
@@ -71,6 +75,19 @@ def hub_at(address: Address) -> Iterator[Address]:
         thread.join(PATIENCE)
         assert not thread.is_alive()
     assert ready.empty(), ready.get()
+
+
+@contextmanager
+def started(*arguments):
+    """A command in a process of its own, and its ready line; at the end it is told to stop."""
+    with subprocess.Popen(
+        [*PROGRAM, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        try:
+            yield process, json.loads(process.stdout.readline())
+        finally:
+            process.terminate()
+            process.out, process.err = process.communicate(timeout=PATIENCE)
 
 
 @pytest.fixture

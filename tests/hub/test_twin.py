@@ -1,8 +1,4 @@
-import json
 import signal
-import subprocess
-import sys
-from contextlib import contextmanager
 from queue import SimpleQueue
 
 import canopen
@@ -12,24 +8,9 @@ from simulators.cli import main
 from simulators.hub.address import Address
 from simulators.hub.client import HubBus
 
-from .conftest import PATIENCE, hub_at
+from .conftest import PATIENCE, hub_at, started
 
 canopen.Network.NOTIFIER_CYCLE = 0.01  # disconnecting waits for it
-
-PROGRAM = [sys.executable, "-m", "simulators"]
-
-
-@contextmanager
-def started(*arguments):
-    """A command in a process of its own, and its ready line; at the end it is told to stop."""
-    with subprocess.Popen(
-        [*PROGRAM, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as process:
-        try:
-            yield process, json.loads(process.stdout.readline())
-        finally:
-            process.terminate()
-            process.out, process.err = process.communicate(timeout=PATIENCE)
 
 
 @pytest.fixture
