@@ -205,10 +205,3 @@ def test_a_run_leaves_the_signals_as_they_were(told):
     before = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
     told(STORY)
     assert (signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)) == before
-
-
-def test_a_scenario_of_another_device_is_refused(said, tmp_path):
-    (tmp_path / "story.yaml").write_text("version: 1\nnode: {device: topcon}\nsteps: []\n")
-    for name in set(devices.names()) - {"topcon"}:
-        code, _, err = said("run", name, "--scenario", f"{tmp_path}/story.yaml", "-i", "virtual")
-        assert (code, "is about topcon" in err) == (2, True)

@@ -3,6 +3,7 @@ from dataclasses import dataclass
 import pytest
 
 from simulators import UserError
+from simulators.cli import main
 from simulators.settings import about, changed, setting
 
 
@@ -36,3 +37,10 @@ def test_a_number_without_a_range_is_any():
     assert changed(Settings(), {"offset": -1e9}).offset == -1e9
     fields = Settings.__dataclass_fields__.values()
     assert [about(field).range for field in fields] == ["0 to 15", "0 or more", ""]
+
+
+def test_the_range_of_a_setting_is_listed(capsys):
+    assert main(["settings", "topcon"]) == 0
+    told = capsys.readouterr().out
+    assert "switch BR, the bit rate (4.3), 0 to 15; may change while running" in told
+    assert "from power-on until RUN works [s], 0 or more" in told

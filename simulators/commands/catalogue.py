@@ -40,9 +40,10 @@ def settings(options: argparse.Namespace) -> int:
     for entry in fields(devices.find(options.device).settings_type):
         told = about(entry)
         unit = f" [{told.unit}]" if told.unit else ""
+        within = f", {told.range}" if told.range else ""
         live = "; may change while running" if told.live else ""
         default = entry.default if isinstance(entry.default, str) else str(entry.default).lower()
-        rows.append((entry.name, default, told.assumed, f"{told.text}{unit}{live}"))
+        rows.append((entry.name, default, told.assumed, f"{told.text}{unit}{within}{live}"))
     _table(rows)
     return 0
 

@@ -127,6 +127,12 @@ def test_what_is_read_only_can_be_sent_but_not_received(bench):
     configure(bench, entry(SENT, 1, 0x21050020))
 
 
+def test_what_is_for_one_direction_is_not_mapped_in_the_other(bench):
+    assert is_refused(bench, entry(SENT, 1, 0x21020008), Abort.NOT_MAPPABLE)  # rww
+    assert is_refused(bench, entry(RECEIVED, 1, 0x21060008), Abort.NOT_MAPPABLE)  # rwr
+    configure(bench, entry(SENT, 1, 0x21060008), entry(RECEIVED, 1, 0x21020008))
+
+
 def test_a_dummy_fills_a_gap_of_an_rpdo(operational):
     configure(
         operational,

@@ -64,7 +64,7 @@ def test_the_history_outlives_a_reset_of_the_communication_and_tells_nothing_twi
     assert register(topcon) == 0x03
 
 
-@pytest.mark.spec("A-15", "A-86")
+@pytest.mark.spec("A-15", "A-85")
 def test_after_a_reset_of_the_node_the_history_begins_with_what_is_still_wrong(topcon):
     topcon.inject("error", number=0x30)
     topcon.send(RESET_ERRORS)
@@ -74,7 +74,7 @@ def test_after_a_reset_of_the_node_the_history_begins_with_what_is_still_wrong(t
     assert state_of_output(topcon) == 0x8000
 
 
-@pytest.mark.spec("A-15", "A-86")
+@pytest.mark.spec("A-15", "A-85")
 def test_a_power_cycle_forgets_every_error_whose_cause_is_gone(topcon):
     topcon.inject("error", number=0x23)
     topcon.power_off()

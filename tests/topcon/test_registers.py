@@ -66,7 +66,7 @@ def test_the_address_stays_until_the_card_starts_anew(topcon):
     assert value(topcon).raw == 7
 
 
-@pytest.mark.spec("A-56", "A-87")
+@pytest.mark.spec("A-56", "A-86")
 def test_registers_forget_their_values_with_the_power(topcon):
     address(topcon).raw = 0x42
     value(topcon).raw = 7

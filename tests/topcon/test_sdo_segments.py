@@ -74,7 +74,7 @@ def test_a_new_initiate_ends_an_open_transfer(topcon):
     assert topcon.send(READ_NAME) == NAME_BEGINS
 
 
-@pytest.mark.spec("T-033", "A-88")
+@pytest.mark.spec("T-033", "A-87")
 def test_a_transfer_nobody_goes_on_with_is_given_up(topcon):
     topcon.send(READ_NAME)
     assert topcon.run(9.9) == []
