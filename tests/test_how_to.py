@@ -14,6 +14,7 @@ from simulators import replay
 from simulators.cli import parser
 
 DOCS = Path(__file__).parent.parent / "docs"
+HUB = DOCS / "how-to" / "join-a-bus-without-vcan.md"
 GITHUB, GITLAB = DOCS / "how-to" / "ci-github.md", DOCS / "how-to" / "ci-gitlab.md"
 PORT = "29536"
 
@@ -65,31 +66,44 @@ def elsewhere(text, port):
     return text.replace("--hub", f"--hub :{port}").replace(PORT, port)
 
 
-@pytest.mark.parametrize("job", ON_A_HUB)
-def test_a_job_with_a_hub_does_what_it_says(job, checkout, port):
-    told, script = JOBS[job]
-    lines = [line for line in script.splitlines() if not INSTALLING.match(line)]
-    assert len(lines) == len(script.splitlines()) - 1  # all but what is installed already
+def carried_out(script, folder, port, **told):
+    """What a shell makes of a script, with the hub at another port."""
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     told = {key: elsewhere(value, port) for key, value in told.items()}
-    done = subprocess.run(
-        ["bash", "-e", "-c", AT_THE_END + elsewhere("\n".join(lines), port)],
-        cwd=checkout,
+    return subprocess.run(
+        ["bash", "-e", "-c", AT_THE_END + elsewhere(script, port)],
+        cwd=folder,
         env={**os.environ, "PATH": path, **told},
         capture_output=True,
         text=True,
         timeout=60,
         check=False,
     )
+
+
+@pytest.mark.parametrize("job", ON_A_HUB)
+def test_a_job_with_a_hub_does_what_it_says(job, checkout, port):
+    told, script = JOBS[job]
+    lines = [line for line in script.splitlines() if not INSTALLING.match(line)]
+    assert len(lines) == len(script.splitlines()) - 1  # all but what is installed already
+    done = carried_out("\n".join(lines), checkout, port, **told)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "1 passed" in done.stdout
 
 
+def test_the_master_of_the_page_about_the_hub_joins_it(tmp_path, port):
+    (tmp_path / "master.py").write_text(elsewhere(files(HUB)["master.py"], port))
+    _, script = JOBS["github twin-on-a-hub"]
+    lines = [line for line in script.splitlines() if line.startswith(("canopen-twin", "timeout"))]
+    done = carried_out("\n".join([*lines, "python master.py"]), tmp_path, port)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 def commands():
     """Everything the pages tell to canopen-twin."""
-    for page in sorted((DOCS / "how-to").glob("*.md")):
+    for page in sorted(DOCS.rglob("*.md")):
         for line in page.read_text("utf-8").splitlines():
-            if match := re.match(r"[ -]*(canopen-twin [^>&]*)", line):
+            if match := re.match(r"(?:[ -]+|[ -]+run: )?(canopen-twin [^>&]*)", line):
                 yield pytest.param(match[1], id=f"{page.name}: {match[1]}")
 
 
