@@ -18,6 +18,7 @@ MOST_CLIENTS = 64
 MOST_WAITING = 1 << 20  # bytes for one client, some 20 000 frames
 KERNEL_BUFFER = 1 << 18  # bytes for one client; by itself it would grow to several MB
 HANDSHAKE = 10.0  # seconds until a client has to be on a bus
+FAREWELL = 1.0  # seconds for a client to read why
 SETTLING = 0.2  # seconds
 OPEN = re.compile(r"open ([A-Za-z0-9_.-]{1,16})")
 
@@ -39,6 +40,7 @@ class Connection(asyncio.Protocol):
         self._stage = Stage.GREETED
         self._stream = Stream()
         self._settling: bytearray | None = None  # what is kept back for a moment
+        self._end: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Greet, or send away."""
@@ -47,7 +49,8 @@ class Connection(asyncio.Protocol):
         connection: socket.socket = transport.get_extra_info("socket")
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BUFFER)
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
-        self._name = str(Address(*transport.get_extra_info("peername")[:2]))
+        peer = transport.get_extra_info("peername")  # none if it is gone again
+        self._name = str(Address(*peer[:2])) if peer else "somebody"
         if len(self._switch.clients) >= MOST_CLIENTS:
             self._refuse(f"there are {MOST_CLIENTS} clients already")
             return
@@ -60,13 +63,16 @@ class Connection(asyncio.Protocol):
         self._settle()  # whoever speaks has read what it was told
         try:
             for text in self._stream.feed(data):
-                self._obey(text)
+                if not self._transport.is_closing():
+                    self._obey(text)
         except Refused as refusal:
             self._refuse(str(refusal))
 
     def connection_lost(self, exc: Exception | None) -> None:
         """It has gone."""
         self._switch.leave(self)
+        if self._end is not None:
+            self._end.cancel()
         log.info("%s has gone", self._name)
 
     def deliver(self, data: bytes) -> None:
@@ -78,13 +84,15 @@ class Connection(asyncio.Protocol):
             self._check(len(self._settling))
 
     def hang_up(self) -> None:
-        """End the connection; what has been written goes out."""
+        """End the connection; what has been written goes out, if it is read soon."""
         self._switch.leave(self)
         self._transport.close()
+        self._end = asyncio.get_running_loop().call_later(FAREWELL, self._transport.abort)
 
     def _write(self, data: bytes) -> None:
-        self._transport.write(data)
-        self._check(self._transport.get_write_buffer_size())
+        if not self._transport.is_closing():
+            self._transport.write(data)
+            self._check(self._transport.get_write_buffer_size())
 
     def _check(self, waiting: int) -> None:
         if waiting > MOST_WAITING:

@@ -1,4 +1,6 @@
 import logging
+import socket
+import struct
 from contextlib import suppress
 from itertools import product
 from threading import Event, Thread
@@ -147,8 +149,35 @@ def test_a_client_that_asks_and_does_not_read_is_dropped_too(call, caplog):
     dead = call(receive_buffer=4096).join()
     with suppress(ConnectionError):
         while not caplog.records:
-            dead.say(1000 * "< echo >")
+            dead.say(1000 * "< echo >< send 001 0 >")
     assert caplog.records[0].getMessage().endswith("does not read what is on vcan0: dropped")
+
+
+def test_a_client_that_does_not_read_why_is_forgotten(call, monkeypatch, caplog):
+    monkeypatch.setattr(connection, "FAREWELL", 0.05)
+    caplog.set_level(logging.INFO)
+    dead, noisy = call(receive_buffer=4096).join(), call().join()
+
+    def hub_is_through(*said):
+        noisy.say("".join(said) + "< echo >")
+        assert noisy.hear() == "< echo >"
+
+    hub_is_through(12_000 * "< send 123 8 1 2 3 4 5 6 7 8 >")  # less than the hub keeps
+    dead.say("nonsense")
+    while f"{Address(*dead.socket.getsockname())} has gone" not in caplog.text:
+        hub_is_through()
+    everything = b"".join(iter(lambda: dead.read(1 << 16), b""))
+    assert not everything.endswith(b" >")
+
+
+def test_a_client_that_is_gone_at_once_leaves_no_trace(call, ours):
+    for _ in range(20):
+        caller = call()
+        caller.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        caller.socket.close()  # with a reset
+    a, b = ours(), ours()
+    a.send(message("001#"))
+    assert hear(b) == "001#"
 
 
 def test_there_is_an_end_to_the_number_of_clients(call, monkeypatch, caplog):
