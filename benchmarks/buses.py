@@ -20,6 +20,7 @@ from benchmarks import peers
 from benchmarks.test_sdo import served
 from simulators.hub.address import Address
 from simulators.hub.client import HubBus
+from simulators.resources import od_file
 
 ROUNDS, READS = 5, 2000
 GROUP = "239.74.163.2"
@@ -30,8 +31,8 @@ TWIN = ("run", "topcon", "-n", str(peers.NODE_ID))
 def main(names: Sequence[str]) -> None:
     """Measure the buses of these names, or all."""
     for name in names or BUSES:
-        with BUSES[name]() as network:
-            node = network.add_node(peers.NODE_ID, "od/topcon.eds")
+        with BUSES[name]() as network, od_file("topcon.eds") as path:
+            node = network.add_node(peers.NODE_ID, str(path))
             rounds = [_round(node) for _ in range(ROUNDS)]
         middle = median(median(times) for times in rounds)
         late = median(quantiles(times, n=100)[98] for times in rounds)

@@ -4,6 +4,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from pathlib import Path
 from queue import SimpleQueue
 from threading import Event, Thread
 
@@ -15,6 +16,7 @@ from simulators.hub.client import HubBus
 from simulators.hub.server import serve_hub
 
 PATIENCE = 5.0
+EDS = str(Path(__file__).parents[2] / "od" / "topcon.eds")
 PROGRAM = [sys.executable, "-m", "simulators"]
 
 

@@ -8,7 +8,7 @@ import pytest
 from simulators.cli import main
 from simulators.wire import Frame
 
-from .conftest import PATIENCE, PROGRAM, started
+from .conftest import EDS, PATIENCE, PROGRAM, started
 
 canopen.Network.NOTIFIER_CYCLE = 0.01  # disconnecting waits for it
 
@@ -40,7 +40,7 @@ def test_a_bench_file_puts_all_of_its_twins_on_one_bus(bench, hub, stock):
         }
         network.connect()
         for node_id, serial in ((5, 7), (6, 8)):
-            node = network.add_node(node_id, "od/topcon.eds")
+            node = network.add_node(node_id, EDS)
             assert node.sdo["Identity Object"]["Serial number"].raw == serial
 
 

@@ -8,7 +8,7 @@ from simulators.cli import main
 from simulators.hub.address import Address
 from simulators.hub.client import HubBus
 
-from .conftest import PATIENCE, hub_at, started
+from .conftest import EDS, PATIENCE, hub_at, started
 
 canopen.Network.NOTIFIER_CYCLE = 0.01  # disconnecting waits for it
 
@@ -23,7 +23,7 @@ def master(stack):
     assert ready == {"ready": "topcon", "node_id": 5, "hub": str(address), "channel": "can7"}
     network = stack.enter_context(canopen.Network())
     network.connect(interface="socketcand", channel="can7", host=address.host, port=address.port)
-    return network.add_node(5, "od/topcon.eds")
+    return network.add_node(5, EDS)
 
 
 def test_a_master_in_another_process_finds_a_whole_slave(master):
@@ -69,7 +69,7 @@ def test_a_twin_is_back_when_the_hub_is(stack):
         _, _ = stack.enter_context(started("run", "topcon", "-n", "5", "--hub", str(address)))
     with hub_at(address), HubBus(address, "vcan0") as bus, canopen.Network(bus) as network:
         network.connect()
-        node = network.add_node(5, "od/topcon.eds")
+        node = network.add_node(5, EDS)
         node.sdo.RESPONSE_TIMEOUT, node.sdo.MAX_RETRIES = 0.1, 50
         assert node.sdo.upload(0x1000, 0)
 
