@@ -234,7 +234,7 @@ def test_a_device_that_rests_is_armed_by_its_power(bench):
     bench.run(1.0)
     bench.power_on()
     bench.run(0.25)
-    assert bench.device.steps == [0.1, 0.1]
+    assert bench.twin.node.device.steps == [0.1, 0.1]
 
 
 def test_supply_that_comes_between_two_cycles_starts_the_grid_there():
