@@ -13,9 +13,9 @@ BYTE, WORD, LIMITED, TEXT, DOMAIN = (
 )
 
 
-def make(node_id=5, **profile):
+def make(node_id=5, od=None, **profile):
     clock = Clock()
-    od = dictionary(Probe.eds, node_id)
+    od = od or dictionary(Probe.eds, node_id)
     return Slave(od, node_id, Wire(clock), Scope(clock), Profile(**profile))
 
 
@@ -116,6 +116,25 @@ def test_the_limits_of_the_eds_hold_and_the_old_value_stays(slave, value, code):
     assert (refusal.value.code, slave.number(*LIMITED)) == (code, 7)
 
 
+@pytest.mark.parametrize(
+    ("limit", "refused", "accepted"), [("min", 9, (10, 255)), ("max", 11, (0, 10))]
+)
+def test_a_device_may_set_one_limit_only(limit, refused, accepted):
+    od = dictionary(Probe.eds, 5)
+    setattr(od[0x2000], limit, 10)
+    slave = make(od=od)
+    for value in accepted:
+        write(slave, BYTE, bytes([value]))
+    with pytest.raises(Rejected):
+        write(slave, BYTE, bytes([refused]))
+
+
+def test_a_parameter_value_comes_before_the_default():
+    od = dictionary(Probe.eds, 5)
+    od[0x2001].value = 7
+    assert make(od=od).number(0x2001) == 7
+
+
 @pytest.mark.parametrize("value", [-100, 0, 100])
 def test_the_limits_themselves_are_allowed(slave, value):
     write(slave, LIMITED, value.to_bytes(2, "little", signed=True))
@@ -180,11 +199,16 @@ def test_an_object_for_an_entry_that_does_not_exist_is_a_bug(slave):
         slave.bind({(0x2FFF, 0): Object()})
 
 
-@pytest.mark.parametrize(("address", "changes"), [((0x1017, 0), 1), ((0x2001, 0), 0)])
-def test_only_a_write_to_the_communication_area_changes_communication(slave, address, changes):
+@pytest.mark.parametrize(
+    ("address", "data", "changes"),
+    [((0x1003, 0), b"\0", 1), ((0x1017, 0), b"\1\0", 1), ((0x2000, 0), b"\1", 0)],
+)
+def test_only_a_write_to_the_communication_area_changes_communication(
+    slave, address, data, changes
+):
     changed = []
     slave.on_communication_change = lambda: changed.append(True)
-    write(slave, address, b"\1\0")
+    write(slave, address, data)
     assert len(changed) == changes
 
 
@@ -211,10 +235,12 @@ def test_canopen_s_own_access_goes_the_same_way(slave):
 
 def test_the_memory_of_the_application_can_be_taken_over_and_no_more():
     before, slave = make(), make()
+    write(before, BYTE, b"\1")
     write(before, WORD, b"\1\0")
     write(before, (0x1017, 0), b"\1\0")
     slave.keep_application(before)
-    assert (read(slave, WORD), read(slave, (0x1017, 0))) == (b"\1\0", b"\0\0")
+    assert (read(slave, BYTE), read(slave, WORD)) == (b"\1", b"\1\0")
+    assert read(slave, (0x1017, 0)) == b"\0\0"
     write(before, WORD, b"\2\0")
     assert read(slave, WORD) == b"\1\0"
 
