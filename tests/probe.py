@@ -1,15 +1,22 @@
 """A device without physics: one of everything the services know, and a log of what it is told."""
 
+from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 
-from simulators.device import Device
+from simulators.device import Device, NodeSettings
 from simulators.faults import Fault, Parameter
 from simulators.objects import Abort, Object, Rejected
 from simulators.profile import Profile
 from simulators.services.emcy import Emcy
+from simulators.settings import setting
 
 LEVEL, EVEN, REFUSING, FAULTY, BYTES, TWICE = ((0x2100 + n, 0) for n in range(6))
+
+
+@dataclass(frozen=True)
+class Settings(NodeSettings):
+    level: int = setting(0, "what the level is set to", live=True)
 
 
 class Probe(Device):
@@ -17,6 +24,7 @@ class Probe(Device):
 
     eds = str(Path(__file__).with_name("probe.eds"))
     title = "Probe of the engine"
+    settings_type = Settings
     stored = ((0x1017, 0), (0x2001, 0), (0x2003, 0), LEVEL)
     rest = inf
     online = True
@@ -93,6 +101,9 @@ class Probe(Device):
 
     def on_rpdo_refused(self, number, refusal):
         self.told.append(f"RPDO {number}: {refusal} ({refusal.code:08X}h)")
+
+    def apply(self):
+        self.level = self.settings.level
 
     def step(self, dt):
         if self.falls_over:

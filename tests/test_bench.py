@@ -89,7 +89,7 @@ def test_a_client_does_not_wait_for_what_never_comes(bench):
     bench.send("000#0205")
     with pytest.raises(SdoCommunicationError, match="No SDO response"):
         bench.sdo.upload(0x1000, 0)
-    assert bench.clock.now == 0.0
+    assert (bench.clock.now, bench.sdo.RESPONSE_TIMEOUT) == (0.0, 0.0)
 
 
 def test_the_master_hears_heartbeats_emergencies_and_pdos(bench):
@@ -120,6 +120,15 @@ def test_remote_frames_are_sent_as_such_and_not_heard_by_canopen(operational):
     operational["probe"].node.wire.send_message(0x123, b"", remote=True)
     operational.segment.deliver()
     assert heard == []
+
+
+@pytest.mark.parametrize(("can_id", "text"), [(0x7FF, "7FF#"), (0x800, "00000800#")])
+def test_what_fits_no_eleven_bits_is_sent_with_twenty_nine(bench, can_id, text):
+    bench.master.send_message(can_id, b"")
+    assert str(bench.trace[-1].frame) == text
+    bench.master.send_periodic(can_id, b"", 0.1)
+    bench.run(0.1)
+    assert [str(record.frame) for record in bench.trace[-2:]] == [text, text]
 
 
 def test_several_twins_are_taken_by_name(pair):
@@ -175,6 +184,11 @@ def test_settings_that_are_taken_over_at_power_on_are_refused_while_it_is_on(ben
     with pytest.raises(UserError, match="power is on"):
         bench.power_on(node_id=9)
     assert bench.device.node_id == 5
+
+
+def test_a_live_setting_acts_at_once(operational):
+    operational.set(level=7)
+    assert operational.sent[-1] == "185#070000"
 
 
 def test_looking_at_a_device_brings_it_up_to_the_present(bench):

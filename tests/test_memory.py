@@ -6,6 +6,8 @@ import pytest
 from simulators.errors import UserError
 from simulators.memory import LARGEST_FILE, Memory
 
+LARGE = json.dumps({"parameters": {"2001:00": "0" * LARGEST_FILE}}).encode()
+
 
 @pytest.fixture
 def path(tmp_path):
@@ -64,7 +66,7 @@ def test_nothing_is_left_beside_the_file(path):
 
 @pytest.mark.parametrize(
     "content",
-    [b"", b"{", b"[]", b'{"a": 1}', b"\xff\xfe", b"[" * 100_000, b'"' + b"a" * LARGEST_FILE + b'"'],
+    [b"", b"{", b"[]", b'{"a": 1}', b"\xff\xfe", b"[" * 100_000, LARGE],
     ids=["empty", "broken", "list", "no sections", "no text", "deep", "large"],
 )
 def test_a_damaged_file_is_kept_beside_reported_and_replaced_by_defaults(path, content, caplog):
