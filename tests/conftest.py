@@ -1,9 +1,15 @@
 from collections.abc import Callable
 
 import pytest
+from hypothesis import settings
 from probe import Probe
 
 from simulators import Bench
+
+
+# the same examples in every run, however slow the machine
+settings.register_profile("reproducible", derandomize=True, deadline=None)
+settings.load_profile("reproducible")
 
 
 @pytest.fixture

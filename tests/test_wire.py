@@ -57,7 +57,7 @@ def test_an_identifier_beyond_the_last_is_an_error_that_names_the_last(text, las
         Frame.parse(text)
 
 
-@settings(max_examples=50, derandomize=True)
+@settings(max_examples=50)
 @given(st.one_of(STANDARD, EXTENDED, REMOTE))
 def test_a_frame_is_written_as_it_is_read(frame):
     assert Frame.parse(str(frame)) == frame

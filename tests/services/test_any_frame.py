@@ -113,7 +113,7 @@ def is_reset(frame):
     return frame.can_id == 0 and frame.data[:1] in (b"\x81", b"\x82")
 
 
-@settings(max_examples=150, derandomize=True)
+@settings(max_examples=150)
 @given(st.sampled_from(sorted(COMMANDS)), any_frame)
 def test_what_is_none_of_its_business_is_not_answered(before, frame):
     bench = make()
@@ -128,7 +128,7 @@ def test_what_is_none_of_its_business_is_not_answered(before, frame):
         assert answers == []
 
 
-@settings(max_examples=100, derandomize=True)
+@settings(max_examples=100)
 @given(st.sampled_from(sorted(COMMANDS)), any_frame)
 def test_what_is_not_answered_changes_nothing_but_by_a_pdo_or_nmt(before, frame):
     bench = make()
@@ -139,7 +139,7 @@ def test_what_is_not_answered_changes_nothing_but_by_a_pdo_or_nmt(before, frame)
 
 
 @pytest.mark.parametrize("block", [False, True])
-@settings(max_examples=60, derandomize=True)
+@settings(max_examples=60)
 @given(story)
 def test_after_any_story_the_node_still_answers(block, story):
     bench = make(block=block)
@@ -150,7 +150,7 @@ def test_after_any_story_the_node_still_answers(block, story):
     assert bench.send("605#4000100000000000")[0] == "585#4300100000000000"
 
 
-@settings(max_examples=60, derandomize=True)
+@settings(max_examples=60)
 @given(story)
 def test_in_any_story_a_node_that_is_stopped_is_silent(story):
     bench = make()
@@ -161,7 +161,7 @@ def test_in_any_story_a_node_that_is_stopped_is_silent(story):
             assert {frame.can_id for frame in sent} <= {0x705}  # its heartbeat
 
 
-@settings(max_examples=60, derandomize=True)
+@settings(max_examples=60)
 @given(story)
 def test_in_any_story_a_boot_up_follows_a_reset_and_nothing_else(story):
     bench = make()
@@ -172,7 +172,7 @@ def test_in_any_story_a_boot_up_follows_a_reset_and_nothing_else(story):
             assert is_reset(event)
 
 
-@settings(max_examples=100, derandomize=True)
+@settings(max_examples=100)
 @given(st.lists(requests, max_size=20))
 def test_every_sdo_request_has_one_answer_of_eight_bytes_and_an_abort_has_none(requests):
     bench = make()
@@ -181,7 +181,7 @@ def test_every_sdo_request_has_one_answer_of_eight_bytes_and_an_abort_has_none(r
         assert [len(frame.data) for frame in answers] == [8] * (request[0] >> 5 != 4)
 
 
-@settings(max_examples=150, derandomize=True)
+@settings(max_examples=150)
 @given(st.lists(initiates, min_size=1, max_size=10))
 def test_every_initiate_is_answered_for_its_own_object_and_what_is_refused_changes_nothing(
     requests,
@@ -197,7 +197,7 @@ def test_every_initiate_is_answered_for_its_own_object_and_what_is_refused_chang
             assert (memory(bench), bench.device.level) == (held, level)
 
 
-@settings(max_examples=60, derandomize=True)
+@settings(max_examples=60)
 @given(st.lists(requests, max_size=20), st.binary(min_size=8, max_size=8))
 def test_what_is_aborted_stays_aborted(requests, segment):
     bench = make()
@@ -208,7 +208,7 @@ def test_what_is_aborted_stays_aborted(requests, segment):
     assert answer.data == bytes.fromhex("8000000001000405")
 
 
-@settings(max_examples=50, derandomize=True)
+@settings(max_examples=50)
 @given(st.lists(st.binary(max_size=12), max_size=5))
 def test_an_rpdo_brings_its_bytes_or_nothing(frames):
     bench = make()
@@ -222,7 +222,7 @@ def test_an_rpdo_brings_its_bytes_or_nothing(frames):
         assert (slave.entry(0x2000, 0).read(), slave.entry(0x2001, 0).read()) == (byte, word)
 
 
-@settings(max_examples=50, derandomize=True)
+@settings(max_examples=50)
 @given(st.lists(st.one_of(st.just("sync"), st.binary(max_size=6)), max_size=12))
 def test_a_synchronous_rpdo_brings_the_last_whole_frame_before_the_sync(events):
     bench = make()
@@ -237,7 +237,7 @@ def test_a_synchronous_rpdo_brings_the_last_whole_frame_before_the_sync(events):
         assert bench.twin.node.slave.entry(0x2002, 0).read() == taken
 
 
-@settings(max_examples=50, derandomize=True)
+@settings(max_examples=50)
 @given(st.integers(1, 240), st.integers(0, 500), st.integers(0, 0xFFFFFFFF))
 def test_a_synchronous_tpdo_carries_its_object_with_every_nth_of_any_number_of_syncs(
     kind, syncs, value
@@ -250,7 +250,7 @@ def test_a_synchronous_tpdo_carries_its_object_with_every_nth_of_any_number_of_s
     assert sent == [Frame(0x285, value.to_bytes(4, "little"))] * (syncs // kind)
 
 
-@settings(max_examples=50, derandomize=True)
+@settings(max_examples=50)
 @given(
     st.integers(0, 3000),
     st.integers(0, 200),
