@@ -91,8 +91,9 @@ class Baton:
     def take_part(self, task: Task, target: Callable[[], None]) -> None:
         """What a thread of the master does: run when it is its turn."""
         task.turn.acquire()
-        if not self._ending:
-            self.failure = task.run(target) or self.failure
+        error = None if self._ending else task.run(target)
+        if error is not None and error is not self.failure:
+            task.report(error)  # before the next one runs, so that reports have an order
         task.done = True
         if self._running is task:
             self.changed()
@@ -104,7 +105,7 @@ class Baton:
         for task in self._tasks:
             self._resume(task)
             if task.done:
-                task.thread.join(self._patience)
+                threading.Thread.join(task.thread, self._patience)  # in real time
 
     def _pass_time(self, ready: Ready, timeout: float | None) -> None:
         clock = self.clock

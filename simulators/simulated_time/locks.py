@@ -11,11 +11,6 @@ from typing import NamedTuple
 from simulators.simulated_time.in_force import changed, wait
 
 
-def forever_or(timeout: float) -> float | None:
-    """The time-out of an `acquire`, for which a negative one means for ever."""
-    return None if timeout < 0 else timeout
-
-
 class Held(NamedTuple):
     """How a lock is held."""
 
@@ -34,8 +29,10 @@ class Lock:
 
     def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
         """See `threading.Lock`."""
-        if not self._free() and not (blocking and wait(self._free, forever_or(timeout))):
-            return False
+        if self.locked() and not self._mine():
+            longest = None if timeout < 0 else timeout
+            if not (blocking and wait(self._free, longest)):
+                return False
         self._held = Held(get_ident(), self._held.depth + 1)
         return True
 
@@ -59,7 +56,7 @@ class Lock:
     def take_back(self, held: Held) -> None:
         """Hold it as before, even if the wait for it is cut short: its owner will release it."""
         try:
-            if not self._free():
+            if self.locked():
                 wait(self._free)
         finally:
             self._held = held
@@ -78,15 +75,18 @@ class Lock:
     def _free(self) -> bool:
         return not self.locked()
 
+    def _mine(self) -> bool:
+        return False
+
 
 class RLock(Lock):
     """As `threading.RLock`."""
 
     def release(self) -> None:
         """See `threading.RLock`."""
-        if self._held.owner != get_ident():
+        if not self._mine():
             raise RuntimeError("cannot release un-acquired lock")
         super().release()
 
-    def _free(self) -> bool:
-        return not self.locked() or self._held.owner == get_ident()
+    def _mine(self) -> bool:
+        return self.locked() and self._held.owner == get_ident()

@@ -87,7 +87,7 @@ class Event:
 
     def wait(self, timeout: float | None = None) -> bool:
         """See `threading.Event`."""
-        return wait(self.is_set, timeout)
+        return self._flag or wait(self.is_set, timeout)
 
 
 class Semaphore:

@@ -39,17 +39,20 @@ class Task:
         if self._stops <= MOST_STOPS:
             raise Stopped
 
-    def run(self, target: Callable[[], None]) -> SimulatedTimeError | None:
-        """Do what the thread is for; what the test is to hear of it."""
+    def run(self, target: Callable[[], None]) -> BaseException | None:
+        """Do what the thread is for; the exception that has ended it, if it was one."""
         try:
             target()
         except (Stopped, SystemExit):
             pass
-        except SimulatedTimeError as error:
+        except BaseException as error:
             return error
-        except BaseException:  # reported before the next one runs, so that reports have an order
-            threading.excepthook(threading.ExceptHookArgs((*sys.exc_info(), self.thread)))
         return None
+
+    def report(self, error: BaseException) -> None:
+        """What Python does with an exception that ends a thread."""
+        told = (type(error), error, error.__traceback__, self.thread)
+        threading.excepthook(threading.ExceptHookArgs(told))
 
     def __str__(self) -> str:
         """The thread and the line of its program at which it is."""
