@@ -55,6 +55,7 @@ def page_of(device):
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(DOCS)))
 def test_what_a_page_shows_works(page, pytester):
+    pytester.syspathinsert()  # as for whoever types it in this directory
     Reader(page, pytester).read()
 
 
