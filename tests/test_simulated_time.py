@@ -250,6 +250,12 @@ def test_a_bus_without_canopen_waits_too_and_filters(inside):
         bus.send(can.Message())
 
 
+def test_a_rest_of_a_time_out_that_rounding_leaves_is_waited_for(inside):
+    with can.Bus() as bus:
+        assert [bus.recv(1 / 3) for _ in range(3)] == [None] * 3
+    assert inside.clock.now == pytest.approx(1.0, abs=1e-5)
+
+
 def test_what_a_bench_cannot_carry_is_refused(inside):
     with pytest.raises(can.CanOperationError, match=r"CAN 2\.0"), can.Bus() as bus:
         bus.send(can.Message(is_fd=True))
@@ -459,6 +465,36 @@ def test_a_thread_that_waits_in_real_time_is_found_and_shown(bench, module):
 
     with pytest.raises(SimulatedTimeError, match=r"'stuck', at .*threading.py:\d+"):
         run()
+    never.set()
+
+
+def test_a_thread_that_gets_stuck_at_its_end_is_told_of_and_the_others_end(bench, module):
+    users = module("""
+import threading, time
+def get_stuck(never):
+    try:
+        time.sleep(60)
+    finally:
+        never.wait()
+""")
+    never = threading.Event()
+    ended = []
+
+    def end():
+        try:
+            users.time.sleep(60)
+        finally:
+            ended.append(True)
+
+    def run():
+        with simulated_time(bench, users, patience=0.1):
+            users.threading.Thread(target=users.get_stuck, args=(never,), name="stuck").start()
+            users.threading.Thread(target=end).start()
+            bench.run(1.0)
+
+    with pytest.raises(SimulatedTimeError, match="'stuck'"):
+        run()
+    assert ended == [True]
     never.set()
 
 
