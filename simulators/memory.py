@@ -24,6 +24,8 @@ class Memory:
 
     def __init__(self, path: Path | None = None) -> None:
         self.path = path
+        self.worn = False
+        """Whether it takes nothing any more, as after too many cycles."""
         self._sections: dict[str, dict[str, Any]] = _read(path) if path else {}
 
     def load(self, section: str) -> Mapping[str, Any]:
@@ -34,8 +36,10 @@ class Memory:
         """Replace a section.
 
         Raises:
-            OSError: the file cannot be written; the memory is then as before.
+            OSError: the file cannot be written, or it is worn; the memory is then as before.
         """
+        if self.worn:
+            raise OSError("it is worn")
         sections = {**self._sections, section: dict(values)}
         if self.path is not None:
             _write(self.path, sections)
@@ -43,6 +47,13 @@ class Memory:
 
 
 def _read(path: Path) -> dict[str, dict[str, Any]]:
+    try:
+        return _read_or_set_aside(path)
+    except OSError as failure:
+        raise UserError(f"{path}: {failure.strerror}") from failure
+
+
+def _read_or_set_aside(path: Path) -> dict[str, dict[str, Any]]:
     if path.is_dir() or not path.parent.is_dir():
         raise UserError(f"{path}: a memory is a file in a directory that exists")
     if not path.exists():

@@ -30,9 +30,9 @@ class Profile:
     too_short: int = Abort.TOO_SHORT
     """Abort code for less data than the object has room for."""
     transfer_time_out: float = 10.0
-    """Seconds after which a segmented transfer that nobody continues is aborted."""
+    """Seconds after which a transfer that nobody continues is aborted."""
     longest_transfer: int = 4096
-    """Bytes a segmented download of an object without a fixed length may carry."""
+    """Bytes a download of an object without a fixed length may carry."""
     nmt_lengths: Container[int] = DATA_LENGTHS
     """Data lengths with which an NMT command is obeyed."""
     heartbeat_period: Callable[[int], float] = exact_period
@@ -49,5 +49,9 @@ class Profile:
     """Abort code for an unused entry of 0x1003; it reads 0 without one."""
     strict_cob_id: bool = False
     """Whether a new COB-ID needs two writes, bit 31 first, and bit 30 of an RPDO as it is."""
+    store_signature: bool = True
+    """Whether 0x1010 and 0x1011 want their signature; any value does otherwise."""
     store_code: int = Abort.NOT_TRANSFERABLE
     """Abort code for a wrong signature in 0x1010 and 0x1011."""
+    restore_at_once: bool = False
+    """Whether 0x1011 acts at once; after the next reset otherwise."""

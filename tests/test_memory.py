@@ -32,6 +32,15 @@ def test_nobody_can_change_the_memory_without_storing():
     assert memory.load("a") == {"one": 1}
 
 
+def test_a_worn_memory_keeps_what_it_has_and_takes_nothing():
+    memory = Memory()
+    memory.store("a", {"one": 1})
+    memory.worn = True
+    with pytest.raises(OSError, match="worn"):
+        memory.store("a", {"one": 2})
+    assert memory.load("a") == {"one": 1}
+
+
 def test_a_file_has_what_was_stored_when_store_returns(path):
     Memory(path).store("parameters", {"2001:00": "1234"})
     assert Memory(path).load("parameters") == {"2001:00": "1234"}
@@ -73,6 +82,11 @@ def test_a_damaged_file_is_kept_beside_reported_and_replaced_by_defaults(path, c
 def test_a_path_that_can_hold_no_file_is_an_error_of_the_user(tmp_path, name):
     with pytest.raises(UserError, match="a memory is a file"):
         Memory(tmp_path / name)
+
+
+def test_a_file_the_system_refuses_is_an_error_of_the_user_in_its_words(tmp_path):
+    with pytest.raises(UserError, match="File name too long"):
+        Memory(tmp_path / ("x" * 300))
 
 
 def test_a_memory_that_cannot_be_written_is_as_before(path):
