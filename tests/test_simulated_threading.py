@@ -298,3 +298,26 @@ def test_locks_that_do_not_wait_work_when_simulated_time_is_over(bench):
         event.set()
     assert queue.get() == 1
     assert event.wait()
+
+
+def test_what_a_module_made_at_its_import_waits_in_simulated_time_in_every_module(bench):
+    users, others = type(threading)("users"), type(threading)("others")
+    made = "lock, rlock, idle, going, jobs = Lock(), RLock(), Event(), Event(), Queue(2)"
+    exec(f"from threading import *\nfrom queue import Queue\n{made}\n", vars(users))
+    users.going.set()
+    users.jobs.put("job")
+    real = vars(others)["lock"] = users.lock
+    with simulated_time(bench, users, others):
+        assert others.lock is users.lock
+        assert users.lock.acquire()
+        assert not users.lock.acquire(timeout=1)
+        with users.rlock, users.rlock:
+            assert not users.idle.wait(1)
+        assert users.going.wait(1)
+        assert users.jobs.get(timeout=1) == "job"
+        with pytest.raises(Empty):
+            users.jobs.get(timeout=1)
+        assert users.jobs.maxsize == 2
+    assert bench.clock.now == 3.0
+    assert users.lock is others.lock is real
+    assert not real.locked()

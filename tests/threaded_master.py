@@ -1,4 +1,4 @@
-"""A master as people write them, with threads, sleeps and time-outs; it knows of no twin."""
+"""A master as people write them, with threads, sleeps and time-outs; it knows of no bench."""
 
 import threading
 import time
@@ -7,6 +7,8 @@ from threading import Event, Lock
 from time import sleep as pause
 
 import canopen
+
+from simulators.slave import dictionary
 
 
 class Poller(threading.Thread):
@@ -63,3 +65,9 @@ def a_minute_later():
     pause(60)
     end = time.time(), time.monotonic(), time.perf_counter(), time.time_ns(), time.monotonic_ns()
     return [round(late - early, 6) for early, late in zip(start, end, strict=True)]
+
+
+def connect(node_id=5, **config):
+    """A node as an unmodified master gets at it."""
+    network = canopen.Network().connect(interface="socketcan", channel="can0", **config)
+    return network.add_node(node_id, dictionary("topcon.eds", node_id))

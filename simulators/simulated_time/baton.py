@@ -15,6 +15,7 @@ from simulators.clock import MICROSECONDS, microseconds
 from simulators.segment import Segment
 from simulators.simulated_time.task import Ready, SimulatedTimeError, Task
 
+TICK = 1 / MICROSECONDS  # seconds; who waits for less, as for a rest left by rounding, gets this
 LONGEST_WAIT = 3600.0  # simulated seconds the test waits for what has no time-out of its own
 
 
@@ -45,10 +46,11 @@ class Baton:
         if task is not None and self._ending:
             self._stop(task)
         if not ready() and (timeout is None or timeout > 0):
+            longest = None if timeout is None else max(timeout, TICK)
             if task is None:
-                self._pass_time(ready, timeout)
+                self._pass_time(ready, longest)
             else:
-                self._park(task, ready, timeout)
+                self._park(task, ready, longest)
         return bool(ready())
 
     def changed(self) -> None:
@@ -103,7 +105,10 @@ class Baton:
         """End every thread that still waits."""
         self._ending = True
         for task in self._tasks:
-            self._resume(task)
+            try:
+                self._resume(task)
+            except SimulatedTimeError as error:  # one that is stuck keeps no other from ending
+                self.failure = self.failure or error
             if task.done:
                 threading.Thread.join(task.thread, self._patience)  # in real time
 

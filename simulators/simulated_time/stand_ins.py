@@ -28,6 +28,29 @@ REFUSED = {
 """What waits where no simulated time passes, and what to do about it."""
 
 
+def _event(real: threading.Event) -> signals.Event:
+    event = signals.Event()
+    if real.is_set():
+        event.set()
+    return event
+
+
+def _queue(real: queue.Queue[Any]) -> queues.Queue:
+    items = queues.Queue(real.maxsize)
+    for item in real.queue:
+        items.put(item)
+    return items
+
+
+MADE_BEFORE: dict[type, Callable[[Any], object]] = {
+    type(threading.Lock()): lambda _: locks.Lock(),
+    type(threading.RLock()): lambda _: locks.RLock(),
+    threading.Event: _event,
+    queue.Queue: _queue,
+}
+"""What stands in for what a module made when it was imported."""
+
+
 class StandIn(ModuleType):
     """A module with some names of its own; the others are those of the real one."""
 
@@ -68,6 +91,9 @@ class StandIns:
         """What stands in for a value; the value itself if nothing needs to."""
         if (known := self._known.get(id(value))) is not None:
             return known
+        if (make := MADE_BEFORE.get(type(value))) is not None:
+            self._known[id(value)] = own = make(value)  # the same one in every module
+            return own
         if is_a(value, ModuleType):
             refused = value.__name__ in REFUSED
             return RefusedModule(value, self._baton) if refused else value

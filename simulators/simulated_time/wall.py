@@ -3,11 +3,10 @@
 import time
 from collections.abc import Callable
 
-from simulators.simulated_time.baton import Baton
+from simulators.simulated_time.baton import TICK, Baton
 
 EPOCH = 946_684_800  # `time.time()` when the bench was made, so that every run has the same dates
 NANOSECONDS = 1_000_000_000
-SHORTEST_SLEEP = 1e-6  # seconds, one tick: a loop around sleep(0) gets somewhere
 MOST_READINGS = 100_000  # of a clock that stands still: a loop that never waits
 
 
@@ -40,7 +39,7 @@ class Wall:
         """See `time.sleep`."""
         if seconds < 0:
             raise ValueError("sleep length must be non-negative")
-        self._baton.wait(lambda: False, max(seconds, SHORTEST_SLEEP))
+        self._baton.wait(lambda: False, max(seconds, TICK))  # a loop around sleep(0) goes on
 
     def date(self) -> float:
         """See `time.time`."""
