@@ -94,6 +94,7 @@ def parser() -> argparse.ArgumentParser:
     ):
         command = _command(commands, name, text, "scenarios", name)
         command.add_argument("scenarios", nargs="+", metavar="SCENARIO", help=SCENARIO)
+    _vcan(commands)
     return top
 
 
@@ -157,3 +158,15 @@ def _bus_arguments(command: argparse.ArgumentParser) -> None:
     from can.cli import add_bus_arguments  # noqa: PLC0415
 
     add_bus_arguments(command)
+
+
+def _vcan(commands: Commands) -> None:
+    text = "run a command where there is a real vcan0: here, or in a user-mode Linux guest"
+    command = _command(commands, "vcan", text, "vcan", "vcan")
+    command.add_argument(
+        "--limit", type=float, default=300.0, metavar="SECONDS", help="end it after this time (300)"
+    )
+    command.add_argument(
+        "--out", type=Path, metavar="DIR", help="keep what is written there; the rest is lost"
+    )
+    command.add_argument("words", nargs="+", metavar="COMMAND", help="after --, with its arguments")
