@@ -9,9 +9,7 @@ from simulators.device import Device
 from simulators.errors import UserError
 from simulators.memory import Memory
 
-OF_ONE_DEVICE = {"node_id": "--node-id", "set": "--set", "scenario": "--scenario"} | {
-    "nvram": "--nvram"
-}
+OF_ONE_DEVICE = ("node-id", "set", "scenario", "nvram")
 
 
 def cast(options: argparse.Namespace, scenario: replay.Scenario | None) -> dict[str, Device]:
@@ -22,9 +20,9 @@ def cast(options: argparse.Namespace, scenario: replay.Scenario | None) -> dict[
     """
     if not _is_file(options.device):
         return {options.device: _device(options, _delivered(options.device, scenario))}
-    for key, option in OF_ONE_DEVICE.items():
-        if getattr(options, key):
-            raise UserError(f"{options.device} says all about its nodes: leave {option} out")
+    for name in OF_ONE_DEVICE:
+        if getattr(options, name.replace("-", "_")):
+            raise UserError(f"{options.device} says all about its nodes: leave --{name} out")
     bench = replay.load_bench(Path(options.device))
     return {name: spec.create() for name, spec in bench.items()}
 
