@@ -31,6 +31,7 @@ class Reader:
         for block in BLOCK.finditer(text):
             language, file, code = block.groups()
             if file:
+                Path(file).parent.mkdir(parents=True, exist_ok=True)
                 Path(file).write_text(code, "utf-8")
             elif language == "python":
                 above = "\n" * (text.count("\n", 0, block.start()) + 1)  # for tracebacks
