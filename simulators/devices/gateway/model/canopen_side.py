@@ -1,0 +1,100 @@
+"""CANopen side of the gateway: heartbeats, PDOs, and the values the object dictionary holds."""
+
+from simulators.devices.gateway.model.canopen_bus import (
+    BootUp,
+    CanopenBus,
+    Heartbeat,
+    Plug,
+    TpdoFrame,
+)
+from simulators.devices.gateway.model.dictionary import PARTNER_NODE
+from simulators.devices.gateway.model.heartbeat import Consumer, Producer
+from simulators.devices.gateway.model.outputs import Outputs
+from simulators.devices.gateway.model.state import COMMUNICATING, Machine, State
+from simulators.devices.gateway.model.store import Store
+from simulators.devices.gateway.model.timing import MOST_HEARTBEAT_CYCLES, cycles
+
+HEARTBEAT_PERIOD, HEARTBEAT_LIMIT = 429, 430
+
+
+class CanopenSide:
+    """Which service works is decided by the state machine and by the health of the bus."""
+
+    def __init__(
+        self, plug: Plug, machine: Machine, settings: Store, cycle: int, *, always_armed: bool
+    ) -> None:
+        self.bus = CanopenBus(plug)
+        self.outputs: Outputs | None = None
+        """The values of the object dictionary, while there is one."""
+        self._machine = machine
+        period, limit = (
+            cycles(settings[number], cycle, MOST_HEARTBEAT_CYCLES)
+            for number in (HEARTBEAT_PERIOD, HEARTBEAT_LIMIT)
+        )
+        self.producer = Producer(period)
+        self.consumer = Consumer(limit if settings[PARTNER_NODE] else 0, always_armed)
+
+    @property
+    def listening(self) -> bool:
+        """Whether NMT is heard; the other services depend on the state."""
+        return self._machine.state in COMMUNICATING and self.bus.alive
+
+    @property
+    def operational(self) -> bool:
+        """Whether PDOs are exchanged."""
+        return self._machine.state is State.OPERATIONAL
+
+    def boot_up(self) -> None:
+        """Pre-Operational was entered from Init."""
+        self.producer.begin()
+        self.bus.send(BootUp())
+
+    def begin_operation(self) -> None:
+        """Operational was entered."""
+        self.consumer.begin()
+        if self.outputs is not None:
+            self.outputs.begin()
+
+    def step(self) -> None:
+        """One main cycle: the own heartbeat, the partner's, and the health of the bus."""
+        state = self._machine.state
+        if self.producer.step(state):
+            self.bus.send(Heartbeat(state))
+        self.consumer.step(state)
+        failed = self.bus.failed
+        self.bus.step()
+        if failed and not self.bus.failed and state in COMMUNICATING:  # A-10
+            self.bus.send(Heartbeat(state) if self.producer.period else BootUp())
+
+    def partner_heartbeat(self) -> None:
+        """A heartbeat of the watched partner, its boot-up included (A-19)."""
+        if self.bus.alive:
+            self.consumer.receive(self._machine.state)
+
+    def rpdo(self, number: int, words: tuple[int, ...]) -> tuple[int, ...]:
+        """The mapped words of an RPDO that is taken; none if it is too short or not active."""
+        if self.outputs is None or not self.listening or not self.operational:
+            return ()
+        pdo = self.outputs.dictionary.rpdos.get(number)
+        if pdo is None or len(words) < len(pdo.entries):  # A-30
+            return ()
+        mapped = words[: len(pdo.entries)]
+        self.outputs.take(pdo.entries, mapped)
+        return mapped
+
+    def show(self, present: int, engine: int) -> None:
+        """Errors and engine state of this cycle of the governor."""
+        if self.outputs is None:
+            return
+        self.outputs.show(present, engine)
+        if self.operational:
+            for frame in self.outputs.due():
+                self.bus.send(frame)
+
+    def send_tpdo(self, number: int, words: tuple[int, ...]) -> None:
+        """An analogue TPDO of the governor: keep its values, and send it on in Operational."""
+        if self.outputs is None:
+            return
+        self.outputs.take(self.outputs.dictionary.tpdos[number].entries, words)
+        if self.operational:
+            self.bus.send(TpdoFrame(number, words))

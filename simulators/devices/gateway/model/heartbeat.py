@@ -1,0 +1,54 @@
+"""Heartbeats of the gateway: its own, and those of its partner, counted in main cycles (6)."""
+
+from dataclasses import dataclass
+
+from simulators.devices.gateway.model.state import COMMUNICATING, State
+
+
+@dataclass
+class Producer:
+    """Says when the own heartbeat is due."""
+
+    period: int
+    """Main cycles; 0: no heartbeat (429)."""
+    _age: int = 0
+
+    def begin(self) -> None:
+        """The boot-up message was sent: the first heartbeat follows a period later (A-41)."""
+        self._age = 0
+
+    def step(self, state: State) -> bool:
+        """One main cycle: whether a heartbeat is due at its end."""
+        self._age += 1
+        due = 0 < self.period <= self._age
+        if due:
+            self._age = 0
+        return due and state in COMMUNICATING
+
+
+@dataclass
+class Consumer:
+    """Watches the partner in Operational."""
+
+    limit: int
+    """Main cycles after which the partner is missed; 0: it is not watched (428, 430)."""
+    always_armed: bool = False
+    """Whether it is missed even before its first heartbeat in Operational (A-19)."""
+    tripped: bool = False
+    _armed: bool = False
+    _age: int = 0
+
+    def begin(self) -> None:
+        """Operational was entered."""
+        self.tripped, self._armed, self._age = False, self.always_armed, 0
+
+    def receive(self, state: State) -> None:
+        """A heartbeat came; a trip is over."""
+        self.tripped, self._age = False, 0
+        self._armed = self._armed or state is State.OPERATIONAL
+
+    def step(self, state: State) -> None:
+        """One main cycle without a heartbeat."""
+        if state is State.OPERATIONAL and self._armed:
+            self._age += 1
+            self.tripped = self.tripped or 0 < self.limit < self._age
