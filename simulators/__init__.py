@@ -1,1 +1,19 @@
-"""Digital twins of CANopen slaves: the dictionaries and behaviour of real devices, without the devices."""
+"""Digital twins of CANopen slaves: the dictionaries and behaviour of real devices."""
+
+from typing import TYPE_CHECKING, Any
+
+from simulators.errors import UserError
+
+if TYPE_CHECKING:
+    from simulators.bench import Bench
+
+__all__ = ["Bench", "UserError"]
+
+
+def __getattr__(name: str) -> Any:
+    """Import `Bench` when it is asked for: pytest loads our plugin in runs that need none of it."""
+    if name == "Bench":
+        from simulators.bench import Bench  # noqa: PLC0415
+
+        return Bench
+    raise AttributeError(f"module 'simulators' has no attribute {name!r}")

@@ -1,0 +1,53 @@
+"""What the twins are measured against: canopen's `LocalNode`, as shipped, over the same EDS."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import canopen
+
+from simulators.resources import od_file
+
+NODE_ID = 5
+ACTUAL_VOLTAGE = 0x2020
+
+
+class Mute:
+    """A bus that takes every message and does nothing with it."""
+
+    channel_info = "nowhere"
+
+    def send(self, message: Any, timeout: float | None = None) -> None:
+        """Take it."""
+
+
+def local_node() -> canopen.LocalNode:
+    """A node with the objects of a TopCon; a process value needs something to be read."""
+    with od_file("topcon.eds") as path:
+        node = canopen.LocalNode(NODE_ID, str(path))
+    node.set_data(ACTUAL_VOLTAGE, 0, bytes(2))
+    return node
+
+
+def muted() -> canopen.Network:
+    """A network with that node, to be notified of frames by hand."""
+    network = canopen.Network(Mute())
+    network.add_node(local_node())
+    return network
+
+
+@contextmanager
+def master(channel: str) -> Iterator[canopen.RemoteNode]:
+    """A master's view of the node from the other end of a `virtual` bus."""
+    with canopen.Network().connect(interface="virtual", channel=channel) as network:
+        with od_file("topcon.eds") as path:
+            yield network.add_node(NODE_ID, str(path))
+
+
+@contextmanager
+def virtual(channel: str) -> Iterator[canopen.RemoteNode]:
+    """The same, with the `LocalNode` on the bus."""
+    with canopen.Network().connect(interface="virtual", channel=channel) as network:
+        network.add_node(local_node())
+        with master(channel) as remote:
+            yield remote

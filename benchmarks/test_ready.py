@@ -1,0 +1,95 @@
+"""From nothing to the first answer: imports, the first twin of a process, every later one."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from itertools import count
+from pathlib import Path
+
+import pytest
+from pytest_benchmark.fixture import BenchmarkFixture
+
+from benchmarks import peers
+from simulators import Bench
+
+ROOT = Path(__file__).parent.parent
+LISTEN = "import sys\nfor line in sys.stdin: exec(line); print('done', flush=True)"
+TWIN = "from simulators import Bench; Bench('topcon', node_id=5).sdo.upload(0x2020, 0)"
+LOCAL_NODE = "pair = peers.virtual('first'); pair.__enter__().sdo.upload(0x2020, 0)"
+
+Fresh = Callable[[str], Callable[[str], None]]
+
+
+@pytest.fixture
+def fresh(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Fresh]:
+    """Interpreters that have run one line and wait for the next; bytecode is cached, as usual."""
+    cache = tmp_path_factory.getbasetemp() / "bytecode"
+    environment = {**os.environ, "PYTHONPYCACHEPREFIX": str(cache)}
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    started: list[subprocess.Popen[str]] = []
+
+    def fresh(line: str) -> Callable[[str], None]:
+        process = subprocess.Popen(
+            [sys.executable, "-c", LISTEN],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+            cwd=ROOT,
+            env=environment,
+        )
+        started.append(process)
+
+        def run(line: str) -> None:
+            assert process.stdin
+            assert process.stdout
+            print(line, file=process.stdin, flush=True)
+            assert process.stdout.readline() == "done\n"
+
+        run(line)
+        return run
+
+    yield fresh
+    for process in started:
+        process.kill()
+        process.communicate()
+
+
+@pytest.mark.parametrize(
+    ("before", "line"),
+    [
+        pytest.param("import pytest", "import canopen", id="import-canopen"),
+        pytest.param("import pytest", "import simulators", id="import-simulators"),
+        pytest.param("import pytest", "import simulators.pytest_plugin", id="import-plugin"),
+        pytest.param("import pytest", "from simulators import Bench", id="import-bench"),
+        pytest.param("import canopen", TWIN, id="first-twin"),
+        pytest.param("from benchmarks import peers", LOCAL_NODE, id="first-localnode"),
+    ],
+)
+def test_fresh(benchmark: BenchmarkFixture, fresh: Fresh, before: str, line: str):
+    """In a process that has done nothing but one thing."""
+    benchmark.pedantic(
+        lambda run: run(line),
+        setup=lambda: ((fresh(before),), {}),
+        rounds=9,
+        warmup_rounds=1,
+    )
+
+
+def test_later_twin(benchmark: BenchmarkFixture):
+    """As a fixture makes one for each test."""
+    benchmark(lambda: Bench("topcon", node_id=5).sdo.upload(peers.ACTUAL_VOLTAGE, 0))
+
+
+def test_later_localnode(benchmark: BenchmarkFixture):
+    """Two networks on `virtual`; their shut-down, a second each, is not counted."""
+    opened, channel = [], count()
+
+    def connect() -> None:
+        pair = peers.virtual(f"later-{next(channel)}")
+        pair.__enter__().sdo.upload(peers.ACTUAL_VOLTAGE, 0)
+        opened.append(pair)
+
+    benchmark.pedantic(connect, rounds=7, warmup_rounds=1)
+    for pair in opened:
+        pair.__exit__(None, None, None)

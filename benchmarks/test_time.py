@@ -1,0 +1,61 @@
+"""Simulated time: how long an hour takes, of an output that rests and of one that is kept busy."""
+
+from collections.abc import Callable
+
+import pytest
+from pytest_benchmark.fixture import BenchmarkFixture
+
+from simulators import Bench
+
+LEVELS = (1000, 3000)  # parts
+
+
+def powered(load: str) -> Bench:
+    """A TopCon with its output on, 200 V, and a heartbeat every second."""
+    bench = Bench("topcon", node_id=5, load=load)
+    bench.master.nmt.state = "OPERATIONAL"
+    for index, value in ((0x1017, 1000), (0x2010, 2000), (0x2011, 4000), (0x2014, 1)):
+        bench.sdo[index].raw = value
+    bench.run(10.0)
+    assert bench.device.stage.running
+    assert bench.device.stage.current > 0
+    return bench
+
+
+def test_settled_hour(benchmark: BenchmarkFixture):
+    bench = powered("resistor 4")
+    benchmark.pedantic(bench.run, args=(3600.0,), rounds=7, warmup_rounds=1)
+    assert bench.trace[-1].frame.can_id == 0x705
+
+
+@pytest.mark.parametrize("load", ["resistor 4", "inductor 4 0.1"])
+def test_minute_of_set_values(benchmark: BenchmarkFixture, load: str):
+    """A new set value every 100 ms: a ramp, a transient, rest."""
+    bench = powered(load)
+    benchmark.pedantic(set_values(bench), rounds=5, warmup_rounds=1)
+    assert not bench.device.stage.errors
+
+
+def set_values(bench: Bench) -> Callable[[], None]:
+    def minute() -> None:
+        for change in range(600):
+            bench.sdo[0x2010].raw = LEVELS[change % 2]
+            bench.run(0.1)
+
+    return minute
+
+
+def test_minute_of_control_loop(benchmark: BenchmarkFixture):
+    """RPDO 1 with new set values, SYNC and TPDO 1 every 10 ms: it never comes to rest."""
+    bench = powered("inductor 4 0.1")
+    bench.sdo[0x1800][2].raw = 1
+    frames = [f"205#{level.to_bytes(2, 'little').hex()}A00FA00F0000" for level in LEVELS]
+
+    def minute() -> None:
+        for cycle in range(6000):
+            bench.send(frames[cycle % 2])
+            assert len(bench.send("080#")) == 1
+            bench.run(0.01)
+
+    benchmark.pedantic(minute, rounds=3, warmup_rounds=1)
+    assert bench.device.stage.running

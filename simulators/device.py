@@ -1,0 +1,167 @@
+"""What a device says of itself; a new device overrides what it has, the rest is quiet."""
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from math import inf
+from typing import Any, ClassVar
+
+from canopen import ObjectDictionary
+
+from simulators.errors import UserError
+from simulators.faults import Fault
+from simulators.memory import Memory
+from simulators.objects import Address, Object, Rejected
+from simulators.profile import Profile
+from simulators.services import Service, State
+from simulators.services.emcy import Emcy, Farewell, when_all_are_gone
+from simulators.services.pdo import Pdo
+from simulators.services.rpdo import Rpdo
+from simulators.services.tpdo import Tpdo
+from simulators.settings import changed, setting
+from simulators.slave import Slave, dictionary
+
+NODE_IDS = range(1, 128)
+
+
+@dataclass(frozen=True)
+class NodeSettings:
+    """The settings that every device has."""
+
+    node_id: int = setting(1, "node id the device is delivered with, 1..127")
+
+
+class Device:
+    """A model, the dictionary in front of it, and what it does on the bus.
+
+    Commands come from the node in this order: `power_on`, then `on_state`, `step` and writes to
+    objects as they happen, `reset_node` and `reset_communication` when the NMT master says so.
+    """
+
+    eds: str
+    """File of od/, or a path."""
+    title: ClassVar[str]
+    """Maker, name and manual, for lists."""
+    settings_type: ClassVar[type[Any]] = NodeSettings
+    """The dataclass of its settings."""
+    profile: Profile = Profile()
+    cycle: float = 0.01
+    """Seconds between two steps, whole microseconds."""
+
+    def __init__(self, **given: object) -> None:
+        """Raises `UserError` for settings that are unknown or of the wrong kind."""
+        self.settings: Any = self.settings_type()
+        self.memory = Memory()
+        self.configure(**given)
+
+    @property
+    def node_id(self) -> int:
+        """The node id to boot with; asked at power-on and at every reset."""
+        return int(self.settings.node_id)
+
+    @property
+    def online(self) -> bool:
+        """Whether there is anything on the bus: firmware, or whatever lies behind it."""
+        return True
+
+    @property
+    def rest(self) -> float:
+        """Seconds from the last step during which stepping may be left out.
+
+        Nothing that can be observed changes meanwhile unless somebody acts; 0 for every cycle.
+        """
+        return inf
+
+    @property
+    def objects(self) -> Mapping[Address, Object]:
+        """The entries that act on the model."""
+        return {}
+
+    @property
+    def stored(self) -> Collection[Address]:
+        """The entries that 0x1010 keeps."""
+        return ()
+
+    @property
+    def emergencies(self) -> Sequence[Emcy]:
+        """What is wrong at this moment, in the order in which it came."""
+        return ()
+
+    @property
+    def faults(self) -> Mapping[str, Fault]:
+        """What can be injected."""
+        return {}
+
+    @property
+    def report(self) -> Mapping[str, object]:
+        """What a look at the model shows, in engineering units, for traces and failed tests."""
+        return {}
+
+    farewell: Farewell = staticmethod(when_all_are_gone)
+    """What is told of an error that has gone."""
+
+    def dictionary(self) -> ObjectDictionary:
+        """A fresh object dictionary for the slave that is about to boot."""
+        return dictionary(self.eds, self.node_id)
+
+    def pdos(self, slave: Slave) -> Iterable[Pdo]:
+        """The PDOs of the dictionary."""
+        yield from (Rpdo(slave, number, self.on_rpdo_refused) for number in Rpdo.numbers(slave))
+        yield from (Tpdo(slave, number) for number in Tpdo.numbers(slave))
+
+    def services(self, slave: Slave) -> Iterable[Service]:
+        """What this device does on the bus beyond the standard services."""
+        return ()
+
+    def power_on(self) -> None:
+        """Supply comes: everything volatile starts afresh."""
+
+    def power_off(self) -> None:
+        """Supply goes."""
+
+    def reset_node(self) -> None:
+        """NMT 81h: the application starts afresh."""
+
+    def reset_communication(self) -> None:
+        """NMT 82h: only the communication starts afresh."""
+
+    def on_state(self, state: State) -> None:
+        """The node has entered an NMT state."""
+
+    def on_frame(self) -> None:
+        """A frame that this node listens to has come."""
+
+    def on_heartbeat(self, node_id: int, alive: bool) -> None:
+        """A node that 0x1016 watches has fallen silent, or is back."""
+
+    def on_rpdo_refused(self, number: int, refusal: Rejected) -> None:
+        """An RPDO was too short, or brought a value that an object refused."""
+
+    def set(self, **given: object) -> None:
+        """Change settings while the device runs.
+
+        Raises:
+            UserError: unknown, of the wrong kind, or taken over at power-on only; the settings
+                are then as before.
+        """
+        before, self.settings = self.settings, changed(self.settings, given, live=True)
+        try:
+            self.apply()
+        except UserError:
+            self.settings = before
+            raise
+
+    def configure(self, **given: object) -> None:
+        """Change settings while the device is off.
+
+        Raises:
+            UserError: unknown, of the wrong kind, or a node id outside 1..127.
+        """
+        self.settings = changed(self.settings, given)
+        if self.node_id not in NODE_IDS:
+            raise UserError(f"node id {self.node_id} is not in 1..127")
+
+    def apply(self) -> None:
+        """Take over settings that have changed while the device runs."""
+
+    def step(self, dt: float) -> None:
+        """Let time pass in the model; `dt` is a whole number of cycles, in seconds."""

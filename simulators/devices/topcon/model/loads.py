@@ -1,0 +1,141 @@
+"""Loads at the output terminals, each by the current it takes at a voltage."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field, fields
+from math import isfinite
+from typing import ClassVar
+
+SHORT = 0.002  # ohm, assumed
+KNEE = 1.0  # V under which a sink can no longer hold its current, assumed
+NO_LIMIT = float("inf")
+OHM, VOLT, AMPERE, WATT, HENRY = ({"unit": unit} for unit in ("ohm", "V", "A", "W", "H"))
+ABOVE_ZERO = ("ohm", "H")  # the rest may be 0: a sink of 0 A takes nothing
+
+Line = tuple[float, float, float, float]
+"""Conductance, offset, lowest and highest: i(u) = conductance * u + offset, held between the two.
+
+The conductance is never negative, so the node equation has one solution.
+"""
+
+
+@dataclass(frozen=True)
+class Load(ABC):
+    """What draws current from the output. Raises ValueError for a value that cannot be."""
+
+    word: ClassVar[str]
+
+    def __post_init__(self) -> None:
+        for quantity in fields(self):
+            value, unit = getattr(self, quantity.name), quantity.metadata.get("unit")
+            if unit and not (isfinite(value) and value >= 0 and (value or unit not in ABOVE_ZERO)):
+                least = "above 0" if unit in ABOVE_ZERO else "0 or more"
+                raise ValueError(f"load {self.word!r}: {quantity.name} must be {least} {unit}")
+
+    @abstractmethod
+    def line(self, voltage: float, current: float, dt: float) -> Line:
+        """The load during the coming `dt` seconds; voltage and current are those before it."""
+
+    def __str__(self) -> str:
+        values = [(quantity, getattr(self, quantity.name)) for quantity in fields(self)]
+        given = [(quantity.name, value) for quantity, value in values if value != quantity.default]
+        return " ".join([self.word, *(_written(name, value) for name, value in given)])
+
+
+def _written(name: str, value: float) -> str:
+    if value is True:
+        return name
+    return repr(value).removesuffix(".0")
+
+
+@dataclass(frozen=True)
+class Open(Load):
+    """Nothing connected."""
+
+    word: ClassVar[str] = "open"
+
+    def line(self, voltage: float, current: float, dt: float) -> Line:
+        """No current."""
+        return 0.0, 0.0, -NO_LIMIT, NO_LIMIT
+
+
+@dataclass(frozen=True)
+class Resistor(Load):
+    """Ohm's law."""
+
+    word: ClassVar[str] = "resistor"
+    ohm: float = field(metadata=OHM)
+
+    def line(self, voltage: float, current: float, dt: float) -> Line:
+        """u / ohm."""
+        return 1.0 / self.ohm, 0.0, -NO_LIMIT, NO_LIMIT
+
+
+@dataclass(frozen=True)
+class Short(Load):
+    """A short circuit, as good as its cables: 2 mOhm."""
+
+    word: ClassVar[str] = "short"
+
+    def line(self, voltage: float, current: float, dt: float) -> Line:
+        """u / 2 mOhm."""
+        return 1.0 / SHORT, 0.0, -NO_LIMIT, NO_LIMIT
+
+
+@dataclass(frozen=True)
+class Battery(Load):
+    """A voltage behind a resistance; without a diode it also feeds the bleeder."""
+
+    word: ClassVar[str] = "battery"
+    volts: float = field(metadata=VOLT)
+    ohm: float = field(metadata=OHM)
+    diode: bool = False
+
+    def line(self, voltage: float, current: float, dt: float) -> Line:
+        """(u - volts) / ohm; behind the diode, only if positive."""
+        lowest = 0.0 if self.diode else -NO_LIMIT
+        return 1.0 / self.ohm, -self.volts / self.ohm, lowest, NO_LIMIT
+
+
+@dataclass(frozen=True)
+class CurrentSink(Load):
+    """An electronic load that holds a current, down to its knee of 1 V."""
+
+    word: ClassVar[str] = "sink"
+    amps: float = field(metadata=AMPERE)
+
+    def line(self, voltage: float, current: float, dt: float) -> Line:
+        """`amps`, falling to 0 A below the knee."""
+        return self.amps / KNEE, 0.0, 0.0, self.amps
+
+
+@dataclass(frozen=True)
+class PowerSink(Load):
+    """An electronic load that holds a power; under its minimum voltage it holds the current.
+
+    It starts from 0 V only on a supply that can give more than watts / minimum.
+    """
+
+    word: ClassVar[str] = "power"
+    watts: float = field(metadata=WATT)
+    minimum: float = field(default=60.0, metadata=VOLT)  # assumed
+
+    def line(self, voltage: float, current: float, dt: float) -> Line:
+        """watts / u above the minimum, `amps` of a current sink below."""
+        # A current that falls with the voltage could make two solutions of one step, so
+        # it is taken as before the step. Where the voltage rests that is no difference.
+        amps = self.watts / max(voltage, self.minimum)
+        return amps / KNEE, 0.0, 0.0, amps
+
+
+@dataclass(frozen=True)
+class Inductor(Load):
+    """A winding: resistance and inductance in series."""
+
+    word: ClassVar[str] = "inductor"
+    ohm: float = field(metadata=OHM)
+    henry: float = field(metadata=HENRY)
+
+    def line(self, voltage: float, current: float, dt: float) -> Line:
+        """(henry * i + dt * u) / (henry + ohm * dt), the step of i by implicit Euler."""
+        impedance = self.henry + self.ohm * dt
+        return dt / impedance, current * self.henry / impedance, -NO_LIMIT, NO_LIMIT

@@ -1,0 +1,41 @@
+"""Who is in control, the panel (HMI or RCU, chapter 6) or the bus; and RS-232 (chapter 5)."""
+
+from simulators.services import State
+
+
+class Panel:
+    """The panel may go local while the node is not operational; Operational takes control back."""
+
+    def __init__(self, quiet_time: float) -> None:
+        self.local = False  # 6: remote after power-on
+        self._state = State.INITIALISING
+        self._quiet_time = quiet_time
+        self._quiet = 0.0
+
+    @property
+    def may_go_local(self) -> bool:
+        """Whether the panel can take control (6)."""
+        return self._state in (State.PRE_OPERATIONAL, State.STOPPED)
+
+    @property
+    def rs232_available(self) -> bool:
+        """Whether the card's RS-232 port answers: not without Pre-operational, not beside CAN."""
+        return self._state is State.PRE_OPERATIONAL and self._quiet >= self._quiet_time  # A-07
+
+    def want(self, local: bool) -> None:
+        """The operator turns the key; without effect where the panel cannot go local."""
+        self.local = local and self.may_go_local
+
+    def on_state(self, state: State) -> None:
+        """Operational means remote control."""
+        self._state = state
+        if state is State.OPERATIONAL:
+            self.local = False
+
+    def on_frame(self) -> None:
+        """A frame for this node has come."""
+        self._quiet = 0.0
+
+    def step(self, dt: float) -> None:
+        """Time without a frame."""
+        self._quiet += dt

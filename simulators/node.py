@@ -1,0 +1,181 @@
+"""One device on a wire: the path of a frame, the passing of time, and every boot.
+
+`receive` finds who listens to a COB-ID; the service reads or writes the dictionary; the object
+there acts on the model. Then every service publishes what has changed. Nothing calls upwards.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from math import inf, isfinite
+
+from simulators.clock import MICROSECONDS, Clock, Timer, microseconds
+from simulators.device import Device
+from simulators.faults import Faults
+from simulators.services import State
+from simulators.services.emcy import EmcyLog
+from simulators.services.nmt import Reset
+from simulators.services.store import recall
+from simulators.slave import Slave
+from simulators.stack import Stack
+from simulators.wire import Frame, Outbox, Wire
+
+COMMUNICATION_AREA = range(0x1000, 0x2000)
+EVERYTHING = range(0x1000, 0x10000)
+
+
+class Node:
+    """A device with power on or off; it needs a clock and somebody who empties the outbox."""
+
+    def __init__(
+        self, device: Device, clock: Clock, outbox: Outbox | None = None, name: str = "node"
+    ) -> None:
+        self.device = device
+        self.clock = clock
+        self.wire = Wire(clock, outbox, name)
+        self.faults = Faults(device.faults)
+        self.powered = False
+        self._stack: Stack | None = None  # none: silent, whatever the reason
+        self._before: Slave | None = None
+        self._afresh = True  # the next boot is one of the application, not of communication alone
+        self._log = EmcyLog()
+        self._cycle = microseconds(device.cycle)
+        self._stepped = clock.ticks
+        self._wake: float = inf
+        self._timer: Timer | None = None
+
+    @property
+    def slave(self) -> Slave | None:
+        """The dictionary in force, none while the node is silent."""
+        return None if self._stack is None else self._stack.slave
+
+    @property
+    def state(self) -> State:
+        """The NMT state; Initialisation also means silence, whatever its reason."""
+        return State.INITIALISING if self._stack is None else self._stack.state
+
+    @property
+    def node_id(self) -> int:
+        """The node id in force, or the one to boot with."""
+        return self.device.node_id if self._stack is None else self._stack.slave.node_id
+
+    def power_on(self) -> None:
+        """Switch the supply on; without effect if it is."""
+        if self.powered:
+            return
+        self.powered = True
+        self._stepped = self.clock.ticks
+        self.device.power_on()
+        self.faults.renew()
+        self._settle()
+        self._arm()
+
+    def power_off(self) -> None:
+        """Switch the supply off: what is not in the memory is lost."""
+        if not self.powered:
+            return
+        self._fall_silent()
+        self._afresh = True
+        self.device.power_off()
+        self.powered = False
+        self._disarm()
+
+    def receive(self, frame: Frame) -> None:
+        """Take a frame from the bus; what the node sends is in the outbox afterwards."""
+        stack = self._stack
+        if stack is None or frame.extended or self.wire.shut:
+            return
+        handlers = stack.routes.get((frame.can_id, frame.remote))
+        if handlers is None:
+            return
+        self._catch_up()
+        self.device.on_frame()
+        for handle in handlers:
+            handle(frame)
+        self._settle()
+
+    @contextmanager
+    def acting(self) -> Iterator[Device]:
+        """Act on the device at this moment: time has passed before, news goes out after."""
+        if self.powered:
+            self._catch_up()
+        yield self.device
+        if self.powered:
+            self._settle()
+
+    def _catch_up(self) -> None:
+        elapsed = self.clock.ticks - self._stepped
+        if elapsed >= self._cycle:
+            elapsed -= elapsed % self._cycle
+            self._stepped += elapsed
+            self.device.step(elapsed / MICROSECONDS)
+
+    def _settle(self) -> None:
+        self._follow()
+        if self._stack is not None:
+            self._stack.publish()
+        if self._wake - self._stepped > self._cycle:  # it rests: does it still?
+            self._arm()
+
+    def _tick(self) -> None:
+        self._catch_up()
+        self._settle()
+        self._arm()
+
+    def _arm(self) -> None:
+        rest = self.device.rest * MICROSECONDS
+        wait = max(rest - rest % self._cycle, self._cycle) if isfinite(rest) else inf
+        if self._stepped + wait == self._wake:
+            return
+        self._disarm()
+        self._wake = self._stepped + wait
+        if isfinite(wait):
+            self._timer = self.clock.at_tick(int(self._wake), self._tick)
+
+    def _disarm(self) -> None:
+        self._wake = inf
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    def _follow(self) -> None:
+        """Boot, fall silent or reset as the device and the NMT master want it."""
+        stack = self._stack
+        if stack is None:
+            if self.device.online:
+                self._boot()
+        elif not self.device.online:
+            self._fall_silent()
+            self._afresh = True
+        elif stack.reset is not None:
+            self._reset(stack.reset)
+        else:
+            stack.follow()
+
+    def _reset(self, reset: Reset) -> None:
+        self._fall_silent()
+        self._afresh = reset is Reset.NODE
+        if reset is Reset.NODE:
+            self.device.reset_node()
+        else:
+            self.device.reset_communication()
+        if self.device.online:
+            self._boot()
+
+    def _boot(self) -> None:
+        """A fresh slave from the EDS and the stored parameters."""
+        device = self.device
+        slave = Slave(device.dictionary(), device.node_id, self.wire, self.clock, device.profile)
+        if self._afresh:
+            self._log = EmcyLog()
+        elif self._before is not None:
+            slave.keep_application(self._before)
+        self._stack = Stack(slave, device, self._log)
+        area = EVERYTHING if self._afresh else COMMUNICATION_AREA
+        recall(slave, device.memory, device.stored, area)
+        self._stack.boot_up()
+
+    def _fall_silent(self) -> None:
+        if self._stack is not None:
+            self._before = self._stack.slave
+            self._stack.close()
+            self._stack = None

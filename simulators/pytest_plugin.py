@@ -1,0 +1,1 @@
+"""pytest fixtures for whoever tests master software."""

@@ -1,0 +1,84 @@
+"""A CAN segment: twins on one bus and one clock, and whoever listens to their frames."""
+
+from collections import deque
+from collections.abc import Callable
+from typing import NamedTuple
+
+from simulators.clock import Clock
+from simulators.device import Device
+from simulators.errors import UserError
+from simulators.node import Node
+from simulators.wire import Frame, Outbox, Wire
+
+Listener = Callable[[Frame, str], None]
+"""Called with a frame and the name of who sent it, empty for one from outside."""
+
+
+class Record(NamedTuple):
+    """One frame on a segment."""
+
+    time: float
+    """Seconds of the segment's clock."""
+    frame: Frame
+    sender: str
+    """The name of the node or master that sent it; empty for one from outside."""
+
+    def __str__(self) -> str:
+        """As `candump -L` writes it, with the time of the segment."""
+        return f"({self.time:017.6f}) can0 {self.frame}"
+
+
+class Segment:
+    """What one node sends, all others and every listener get, in the order in which it was sent."""
+
+    def __init__(self) -> None:
+        self.clock = Clock()
+        self.nodes: list[Node] = []
+        self.listeners: list[Listener] = []
+        self._outbox: Outbox = deque()
+        self._foreign = Wire(self.clock, self._outbox)
+
+    def node(self, device: Device, name: str) -> Node:
+        """Connect a device by a name of its own, with its power off.
+
+        Raises:
+            UserError: another node has this node id.
+        """
+        for other in self.nodes:
+            if other.device.node_id == device.node_id:
+                raise UserError(f"two nodes with node id {device.node_id} on one bus")
+        node = Node(device, self.clock, self._outbox, name)
+        self.nodes.append(node)
+        return node
+
+    def master(self, name: str) -> Wire:
+        """An end of the bus for somebody who is no node: `put` frames there, then `deliver`.
+
+        Unlike frames from outside, theirs carry a name: whoever brings the segment to a real bus
+        takes them along.
+        """
+        return Wire(self.clock, self._outbox, name)
+
+    def send(self, frame: Frame) -> None:
+        """Put a frame on the bus that comes from outside; the answers are out after."""
+        self._foreign.put(frame)
+        self.deliver()
+
+    def deliver(self) -> None:
+        """Bring every frame that is waiting to whoever hears it."""
+        outbox = self._outbox
+        while outbox:
+            sender, frame = outbox.popleft()
+            for listener in self.listeners:
+                listener(frame, sender.name)
+            for node in self.nodes:
+                if node.wire is not sender:
+                    node.receive(frame)
+
+    def advance(self, seconds: float) -> None:
+        """Let time pass; frames are delivered at the moment they are sent."""
+        self.advance_to(self.clock.now + seconds)
+
+    def advance_to(self, time: float) -> None:
+        """Let time pass up to a moment."""
+        self.clock.advance_to(time, self.deliver)

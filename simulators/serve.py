@@ -1,0 +1,1 @@
+"""Runs twins on a python-can bus, in real time, on the calling thread."""

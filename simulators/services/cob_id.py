@@ -1,0 +1,28 @@
+"""COB-IDs in the dictionary: their bits, and which values CiA 301 lets them take (7.3.5)."""
+
+from collections.abc import Iterable
+
+from simulators.objects import Rejected
+
+INVALID = 1 << 31  # of a PDO: does not exist; of an EMCY likewise
+NO_RTR = 1 << 30  # of a TPDO: may not be asked for; of SYNC: the node produces it
+CAN_ID = 0x7FF
+SYNC = 0x080
+RESERVED = 0x3FFFF800  # bit 29 is for 29-bit identifiers, which none of the devices knows
+
+RESTRICTED: Iterable[range] = (
+    range(0x080),
+    range(0x101, 0x181),
+    range(0x581, 0x600),
+    range(0x601, 0x680),
+    range(0x6E0, 0x700),
+    range(0x701, 0x800),
+)
+
+
+def check(value: int) -> None:
+    """Raises `Rejected` if a COB-ID that shall be used names no identifier that is free for it."""
+    if value & RESERVED:
+        raise Rejected(f"{value:08X}h: identifiers have 11 bits")
+    if any(value & CAN_ID in ids for ids in RESTRICTED):
+        raise Rejected(f"{value & CAN_ID:03X}h belongs to another service")

@@ -1,0 +1,161 @@
+"""Emergencies: the messages, their tables, and the producer that reports what has changed."""
+
+import csv
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial, reduce
+from operator import or_
+from typing import NamedTuple
+
+from simulators.objects import Address, Object, Rejected
+from simulators.resources import od_file
+from simulators.services import Service, State
+from simulators.slave import Slave
+from simulators.wire import Frame
+
+INVALID = 1 << 31
+FIELD_LENGTH = 5  # bytes of the manufacturer-specific error field
+
+Key = tuple[int, int]  # emergency error code, manufacturer-specific error field
+
+
+class Emcy(NamedTuple):
+    """An error as it is told: its code, its bits of the error register, its error field."""
+
+    code: int
+    register: int
+    field: bytes = bytes(FIELD_LENGTH)
+    label: str = ""
+
+
+NO_ERROR = Emcy(0x0000, 0x00, label="no error")
+
+
+def read_emcy_table(name: str) -> Mapping[Key, Emcy]:
+    """A table of od/: one row per message of the manual.
+
+    Raises:
+        ValueError: a row stands there twice.
+    """
+    table: dict[Key, Emcy] = {}
+    with od_file(name) as path, path.open(newline="", encoding="ascii") as file:
+        for row in csv.DictReader(file):
+            code, register, detail = (int(row[key], 16) for key in ("code", "register", "detail"))
+            if (code, detail) in table:
+                raise ValueError(f"{name}: {row} stands there twice")
+            content = detail.to_bytes(FIELD_LENGTH, "little")
+            table[code, detail] = Emcy(code, register, content, row["label"])
+    return table
+
+
+Farewell = Callable[[Emcy, int], Emcy | None]
+
+
+def when_all_are_gone(gone: Emcy, register: int) -> Emcy | None:
+    """One "no error" once nothing is left: what CiA 301 asks for at least."""
+    return None if register else NO_ERROR
+
+
+@dataclass
+class EmcyLog:
+    """What outlives a reset of the communication: the errors that are active, and the history."""
+
+    active: Sequence[Emcy] = ()
+    history: list[Emcy] = field(default_factory=list)
+    unsent: list[Emcy] = field(default_factory=list)
+
+    @property
+    def register(self) -> int:
+        """The error register 0x1001: the bits of every active error."""
+        return reduce(or_, (emcy.register for emcy in self.active), 0)
+
+
+class EmcyProducer(Service):
+    """Tells every error once, keeps 0x1001 and 0x1003, and says when it is over.
+
+    While the node is stopped the objects follow at once and the messages wait; an error that has
+    gone by then is not told any more.
+    """
+
+    def __init__(
+        self,
+        slave: Slave,
+        log: EmcyLog,
+        emergencies: Callable[[], Sequence[Emcy]],
+        farewell: Farewell = when_all_are_gone,
+    ) -> None:
+        super().__init__(slave)
+        self.log = log
+        self._emergencies = emergencies
+        self._farewell = farewell
+        self._sending = False
+
+    @property
+    def eventful(self) -> bool:
+        """Errors come and go with every frame and every step."""
+        return True
+
+    @property
+    def objects(self) -> Mapping[Address, Object]:
+        """Error register and error history, as deep as the dictionary has it."""
+        history = {
+            (0x1003, sub): Object(read=partial(self._past, sub - 1))
+            for sub in range(1, self._depth + 1)
+        }
+        if self._depth:
+            history[0x1003, 0] = Object(read=lambda: len(self.log.history), write=self._erase)
+        return {(0x1001, 0): Object(read=lambda: self.log.register), **history}
+
+    def on_state(self, state: State) -> None:
+        """Nothing is sent in Stopped (CiA 301, table 37)."""
+        self._sending = state in (State.PRE_OPERATIONAL, State.OPERATIONAL)
+
+    def publish(self) -> None:
+        """Compare what is wrong with what was told."""
+        now = self._emergencies()
+        if now != self.log.active:
+            self._follow(now)
+        if self._sending and self.log.unsent:
+            self._send()
+
+    def _follow(self, now: Sequence[Emcy]) -> None:
+        log, before = self.log, self.log.active
+        log.active = now = tuple(now)
+        for gone in (emcy for emcy in before if emcy not in now):
+            self._take_back(gone)
+        for new in (emcy for emcy in now if emcy not in before):
+            log.history = [new, *log.history][: self._depth]
+            log.unsent.append(new)
+
+    def _take_back(self, gone: Emcy) -> None:
+        if gone in self.log.unsent:
+            self.log.unsent.remove(gone)
+        elif farewell := self._farewell(gone, self.log.register):
+            self.log.unsent.append(farewell)
+
+    def _send(self) -> None:
+        cob_id = self.slave.number(0x1014) if self.slave.has(0x1014) else 0x80 + self.slave.node_id
+        unsent, self.log.unsent = self.log.unsent, []
+        if cob_id & INVALID:
+            return
+        for emcy in unsent:
+            register = self.log.register if emcy.code else emcy.register
+            data = emcy.code.to_bytes(2, "little") + bytes([register]) + emcy.field
+            self.slave.wire.put(Frame(cob_id & 0x7FF, data))
+
+    @property
+    def _depth(self) -> int:
+        return len(self.slave.entries.get(0x1003, {0: None})) - 1
+
+    def _past(self, age: int) -> int:
+        if age >= len(self.log.history):
+            if (code := self.slave.profile.no_history_code) is not None:
+                raise Rejected("no such error in the history", code)
+            return 0
+        emcy = self.log.history[age]
+        return emcy.code | int.from_bytes(emcy.field[:2], "little") << 16
+
+    def _erase(self, value: int) -> None:
+        if value:
+            raise Rejected(f"0 erases the history, {value} does nothing")
+        self.log.history.clear()

@@ -1,0 +1,81 @@
+"""Settings of a device: a frozen dataclass whose fields say what they mean and who assumed them."""
+
+from collections.abc import Mapping
+from dataclasses import MISSING, Field, dataclass, field, fields, replace
+from types import UnionType
+from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
+
+from simulators.errors import UserError, unknown
+from simulators.kinds import convert
+
+Settings = TypeVar("Settings")
+
+
+def setting(
+    default: Any, text: str, *, unit: str = "", assumed: str = "", live: bool = False
+) -> Any:
+    """A field of a settings dataclass.
+
+    Args:
+        default: Its value when nobody says otherwise.
+        text: What it means, for `--help` and the docs.
+        unit: Of a number.
+        assumed: The number of the assumption behind the default, if no manual prints it.
+        live: Whether it may change while the device runs (`set` in a scenario).
+    """
+    return field(default=default, metadata={"about": About(text, unit, assumed, live)})
+
+
+@dataclass(frozen=True)
+class About:
+    """What is told of a setting beside its type and default."""
+
+    text: str
+    unit: str = ""
+    assumed: str = ""
+    live: bool = False
+
+
+def about(entry: "Field[Any]") -> About:
+    """What is told of a field."""
+    told: About = entry.metadata["about"]
+    return told
+
+
+def changed(settings: Settings, given: Mapping[str, object], *, live: bool = False) -> Settings:
+    """The same settings with some given anew, each converted to the type of its field.
+
+    Raises:
+        UserError: an unknown name, a value of the wrong type, or, with `live`, a setting that
+            cannot change while the device runs.
+    """
+    types = get_type_hints(type(settings))
+    known = {entry.name: entry for entry in fields(settings)}  # type: ignore[arg-type]
+    for name in given:
+        if name not in known:
+            raise unknown("setting", name, known)
+        if live and not about(known[name]).live:
+            raise UserError(f"setting {name!r} is taken over at power-on only")
+    converted = {name: _convert(name, value, types[name]) for name, value in given.items()}
+    return replace(settings, **converted)  # type: ignore[type-var]
+
+
+def defaults(settings: type[Any]) -> Mapping[str, Any]:
+    """The default of every field."""
+    return {entry.name: entry.default for entry in fields(settings) if entry.default is not MISSING}
+
+
+def _convert(name: str, value: object, kind: Any) -> object:
+    if get_origin(kind) is Literal:
+        return _choice(name, value, get_args(kind))
+    if isinstance(kind, UnionType):  # `int | None`
+        if value is None or value == "none":
+            return None
+        kind = next(option for option in get_args(kind) if option is not type(None))
+    return convert(f"setting {name!r}", value, kind)
+
+
+def _choice(name: str, value: object, choices: tuple[object, ...]) -> object:
+    if value not in choices:
+        raise UserError(f"setting {name!r} is one of {', '.join(map(str, choices))}, not {value!r}")
+    return value

@@ -1,0 +1,96 @@
+"""The services of one slave, from one boot to the next: who hears what, who has news."""
+
+from collections.abc import Callable
+
+from simulators.device import Device
+from simulators.services import Handler, Heard, Service, State
+from simulators.services.emcy import EmcyLog, EmcyProducer
+from simulators.services.heartbeat import HeartbeatConsumer, HeartbeatProducer
+from simulators.services.nmt import Nmt, Reset
+from simulators.services.sdo import SdoServer
+from simulators.services.store import Store
+from simulators.services.sync import Sync
+from simulators.slave import Slave
+
+
+class Stack:
+    """Built anew by every reset; nothing in it is cleaned by hand.
+
+    `routes` and `publishers` are worked out for the NMT state and for the communication area as
+    it is, so that a frame finds its handlers with one look.
+    """
+
+    def __init__(self, slave: Slave, device: Device, log: EmcyLog) -> None:
+        self.slave = slave
+        self.state = State.INITIALISING
+        self.routes: dict[Heard, list[Handler]] = {}
+        self.publishers: list[Callable[[], None]] = []
+        self.stale = False  # something in the communication area has changed
+        self._device = device
+        self._nmt = Nmt(slave)
+        self._heartbeat = HeartbeatProducer(slave)
+        self._services: list[Service] = [
+            self._nmt,
+            self._heartbeat,
+            HeartbeatConsumer(slave, device.on_heartbeat),
+            SdoServer(slave),
+            Sync(slave),
+            *device.pdos(slave),
+            EmcyProducer(slave, log, lambda: device.emergencies, device.farewell),
+            Store(slave, device.memory, device.stored),
+            *device.services(slave),
+        ]
+        slave.on_communication_change = self._on_communication_change
+        slave.bind(device.objects)
+        for service in self._services:
+            slave.bind(service.objects)
+
+    @property
+    def reset(self) -> Reset | None:
+        """What the NMT master wants to be reset."""
+        return self._nmt.reset
+
+    def boot_up(self) -> None:
+        """Initialisation is over: say so and enter Pre-operational."""
+        self._nmt.boot_up()
+        self._heartbeat.start()
+        self._announce(State.PRE_OPERATIONAL)
+
+    def follow(self) -> None:
+        """Enter the state the NMT master wants."""
+        if self._nmt.state is not self.state:
+            self._announce(self._nmt.state)
+
+    def publish(self) -> None:
+        """Send what is new, and follow what has been changed in the communication area."""
+        for publish in self.publishers:
+            publish()
+        if self.stale:
+            self._derive()
+
+    def close(self) -> None:
+        """Fall silent."""
+        self.slave.clock.close()
+        self._device.on_state(State.INITIALISING)
+
+    def _announce(self, state: State) -> None:
+        self.state = state
+        self._device.on_state(state)
+        for service in self._services:
+            service.on_state(state)
+        self._derive()
+
+    def _on_communication_change(self) -> None:
+        self.stale = True
+
+    def _derive(self) -> None:
+        self.stale = False
+        self.routes, self.publishers = {}, []
+        for service in self._services:
+            heard = list(service.listen())
+            if self.state not in service.active_in:
+                continue
+            for key, handle in heard:
+                self.routes.setdefault(key, []).append(handle)
+            if service.eventful:
+                self.publishers.append(service.publish)

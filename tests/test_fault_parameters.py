@@ -1,0 +1,40 @@
+import pytest
+
+from simulators import Bench, UserError
+
+
+@pytest.fixture
+def bench():
+    return Bench("topcon", node_id=5)
+
+
+def test_a_parameter_is_taken_as_users_write_it(bench):
+    bench.inject("error", number="0x23")
+    assert bench.sent == ["705#00", "085#0023032300000000"]
+
+
+@pytest.mark.parametrize(
+    ("fault", "given", "message"),
+    [
+        ("mains", {"volts": "many"}, "parameter 'volts' of fault 'mains' wants a number"),
+        ("mains", {"volts": True}, "parameter 'volts' of fault 'mains' wants a number"),
+        ("error", {"number": 0.5}, "parameter 'number' of fault 'error' wants a whole number"),
+        ("error", {"number": 0x200}, "no unit error 0x200"),
+        ("supply", {"rail": 24, "volts": 20}, "unknown rail '24': did you mean '24V'?"),
+        ("card_error", {"code": 0x6100}, "no card error 0x6100"),
+        ("error", {}, "fault 'error' wants 'number'"),
+        ("error", {"nummer": 1}, "did you mean 'number'?"),
+    ],
+)
+def test_a_wrong_parameter_is_refused_in_words(bench, fault, given, message):
+    with pytest.raises(UserError) as refusal:
+        bench.inject(fault, **given)
+    assert message in str(refusal.value)
+
+
+def test_a_setting_that_is_refused_leaves_everything_as_it_was(bench):
+    bench.set(load="resistor 4")
+    with pytest.raises(UserError, match="no load is called 'resitor'"):
+        bench.set(load="resitor 5")
+    assert bench.device.settings.load == "resistor 4"
+    bench.set(ambient=40)  # which takes over the load again

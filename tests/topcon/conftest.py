@@ -1,0 +1,52 @@
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import yaml
+
+from simulators.devices.topcon.model import OutputStage, UnitType, parse_load, unit_types
+from simulators.resources import od_file
+
+
+@pytest.fixture(scope="session")
+def units() -> dict[str, UnitType]:
+    with od_file("topcon_units.yaml") as path:
+        return unit_types(yaml.safe_load(Path(path).read_text()))
+
+
+@pytest.fixture
+def power_on(units) -> Callable[..., OutputStage]:
+    """A stage just powered; `parts` are 0x2010-0x2013 as a master would write them."""
+
+    def power_on(
+        name="TCP-32-400",
+        load="open",
+        parts=(0, 0, 4000, 0),
+        figures=(),
+        kind=OutputStage,
+        **inputs,
+    ):
+        unit = replace(units[name], **dict(figures))
+        stage = kind(unit, load=parse_load(load), **inputs)
+        voltage, current, power, resistance = (part / 4000 for part in parts)
+        stage.voltage_reference = voltage * stage.unit.nominal_voltage
+        stage.current_reference = current * stage.unit.maximum_current
+        stage.power_reference = power * stage.unit.nominal_power
+        stage.resistance_reference = resistance * stage.unit.nominal_resistance
+        return stage
+
+    return power_on
+
+
+@pytest.fixture
+def running(power_on) -> Callable[..., OutputStage]:
+    """The same, three seconds after a RUN command."""
+
+    def running(*args, **inputs):
+        stage = power_on(*args, **inputs)
+        stage.run()
+        stage.step(3.0)
+        return stage
+
+    return running
