@@ -140,6 +140,7 @@ class Handshake:
         """There is no communication with the gateway: order Undefined, in case it hears us."""
         if self.phase is not Phase.WAIT:
             self._command(GovernorCommand.UNDEFINED)
+        self._session += 1  # A-38: what the gateway says of the session before is not believed
         self._attempts, self._deadline = 0, self._time.now
         self.state, self.gateway = State.UNDEFINED, None
         self._handle(Event.LOST)
