@@ -168,3 +168,13 @@ def test_another_main_cycle_is_another_grid(plain):
     rig = plain({"governor": {16460: 25}}, governor_cycle=0.01).operational()
     times = [at for at, *_ in tpdos(rig.run(1.0), 4)]
     assert {round(b - a, 3) for a, b in pairwise(times)} == {20.0}
+
+
+@pytest.mark.spec("G-050")
+def test_the_errors_are_in_the_dictionary_from_its_first_moment(plain):
+    rig = plain()
+    rig.governor.fail(3005)
+    rig.system.power_on()
+    rig.run(0.220625)
+    assert rig.system.listening
+    assert rig.system.value(0x2000, 1) == 0x20

@@ -7,7 +7,7 @@ from simulators.devices.gateway.model.canopen_bus import (
     Plug,
     TpdoFrame,
 )
-from simulators.devices.gateway.model.dictionary import PARTNER_NODE
+from simulators.devices.gateway.model.dictionary import PARTNER_NODE, Entry
 from simulators.devices.gateway.model.heartbeat import Consumer, Producer
 from simulators.devices.gateway.model.outputs import Outputs
 from simulators.devices.gateway.model.state import COMMUNICATING, Machine, State
@@ -27,6 +27,7 @@ class CanopenSide:
         self.outputs: Outputs | None = None
         """The values of the object dictionary, while there is one."""
         self._machine = machine
+        self._digital = (0, 0)  # errors and engine state, told even before there is a dictionary
         period, limit = (
             cycles(settings[number], cycle, MOST_HEARTBEAT_CYCLES)
             for number in (HEARTBEAT_PERIOD, HEARTBEAT_LIMIT)
@@ -44,6 +45,11 @@ class CanopenSide:
         """Whether PDOs are exchanged."""
         return self._machine.state is State.OPERATIONAL
 
+    def create(self, outputs: Outputs) -> None:
+        """The init telegrams were accepted: there is a dictionary now."""
+        outputs.show(*self._digital)
+        self.outputs = outputs
+
     def boot_up(self) -> None:
         """Pre-Operational was entered from Init."""
         self.producer.begin()
@@ -58,7 +64,8 @@ class CanopenSide:
     def step(self) -> None:
         """One main cycle: the own heartbeat, the partner's, and the health of the bus."""
         state = self._machine.state
-        if self.producer.step(state):
+        self.producer.step()
+        if self.producer.due and state in COMMUNICATING:
             self.bus.send(Heartbeat(state))
         self.consumer.step(state)
         failed = self.bus.failed
@@ -71,24 +78,21 @@ class CanopenSide:
         if self.bus.alive:
             self.consumer.receive(self._machine.state)
 
-    def rpdo(self, number: int, words: tuple[int, ...]) -> tuple[int, ...]:
-        """The mapped words of an RPDO that is taken; none if it is too short or not active."""
+    def mapped(self, rpdo: int) -> tuple[Entry, ...]:
+        """The entries of an RPDO 1..4 that is taken; none if it is not active, or nothing is."""
         if self.outputs is None or not self.listening or not self.operational:
             return ()
-        pdo = self.outputs.dictionary.rpdos.get(number)
-        if pdo is None or len(words) < len(pdo.entries):  # A-30
-            return ()
-        mapped = words[: len(pdo.entries)]
-        self.outputs.take(pdo.entries, mapped)
-        return mapped
+        pdo = self.outputs.dictionary.rpdos.get(rpdo)
+        return () if pdo is None else pdo.entries
 
     def show(self, present: int, engine: int) -> None:
         """Errors and engine state of this cycle of the governor."""
+        self._digital = present, engine
         if self.outputs is None:
             return
         self.outputs.show(present, engine)
         if self.operational:
-            for frame in self.outputs.due():
+            for frame in self.outputs.news:
                 self.bus.send(frame)
 
     def send_tpdo(self, number: int, words: tuple[int, ...]) -> None:

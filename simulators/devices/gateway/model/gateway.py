@@ -93,9 +93,11 @@ class GatewayProgramme(Programme):
             self._tell_change()
 
     def receive_rpdo(self, number: int, words: tuple[int, ...]) -> None:
-        """An RPDO 1..4 of the master."""
-        mapped = self.canopen.rpdo(number, words)
-        if mapped:
+        """An RPDO 1..4 of the master; one that is too short is ignored (A-30)."""
+        entries, outputs = self.canopen.mapped(number), self.canopen.outputs
+        if outputs is not None and 0 < len(entries) <= len(words):
+            mapped = words[: len(entries)]
+            outputs.take(entries, mapped)
             self.can.send(RpdoData(number, mapped))
 
     def overflow(self, error: int, consequence: Trouble) -> None:
@@ -177,7 +179,7 @@ class GatewayProgramme(Programme):
             case Refusal() as refusal:
                 self.can.send(InitResult(self._initialisation.session, refusal))
             case dictionary:
-                self.canopen.outputs = Outputs(dictionary, self._assignment, self._first)
+                self.canopen.create(Outputs(dictionary, self._assignment, self._first))
                 self.can.send(InitResult(self._initialisation.session, None))
 
     def _enter(self, trigger: Trigger) -> None:

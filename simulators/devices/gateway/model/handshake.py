@@ -138,8 +138,9 @@ class Handshake:
 
     def lost(self) -> None:
         """There is no communication with the gateway: order Undefined, in case it hears us."""
-        if self.phase is not Phase.WAIT:
-            self._command(GovernorCommand.UNDEFINED)
+        if self.phase is Phase.WAIT:
+            return
+        self._command(GovernorCommand.UNDEFINED)
         self._session += 1  # A-38: what the gateway says of the session before is not believed
         self._attempts, self._deadline = 0, self._time.now
         self.state, self.gateway = State.UNDEFINED, None

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from simulators.devices.gateway.model.state import COMMUNICATING, State
+from simulators.devices.gateway.model.state import State
 
 
 @dataclass
@@ -17,13 +17,14 @@ class Producer:
         """The boot-up message was sent: the first heartbeat follows a period later (A-41)."""
         self._age = 0
 
-    def step(self, state: State) -> bool:
-        """One main cycle: whether a heartbeat is due at its end."""
-        self._age += 1
-        due = 0 < self.period <= self._age
-        if due:
-            self._age = 0
-        return due and state in COMMUNICATING
+    def step(self) -> None:
+        """One main cycle."""
+        self._age = self._age % self.period + 1 if self.period else 0
+
+    @property
+    def due(self) -> bool:
+        """Whether a heartbeat is to be sent in this cycle, if the state allows it."""
+        return 0 < self.period == self._age
 
 
 @dataclass

@@ -26,6 +26,8 @@ class Outputs:
         self._values: dict[Entry, int] = {}
         self._sent: dict[int, tuple[int, ...]] = {}
         self._digital: tuple[int, ...] = (0,) * 7
+        self.news: list[TpdoFrame] = []
+        """The binary TPDOs with something new in them, by the last `show`."""
 
     def begin(self) -> None:
         """Operational was entered: the binary TPDOs begin anew."""
@@ -38,28 +40,21 @@ class Outputs:
         return self._values.get(Entry(index, sub), 0)
 
     def show(self, present: int, engine: int) -> None:
-        """Take over errors, bit k for 3000+k, and engine state of this cycle of the governor."""
+        """Take over errors, bit k for 3000+k, and engine state; once per cycle of the governor."""
         self._digital = (*self._assignment.error_words(present), engine)
+        words = {n: self._words(n) for n in BINARY_TPDOS if n in self.dictionary.tpdos}
+        self.news = [TpdoFrame(n, each) for n, each in words.items() if self._is_new(n, each)]
+        self._sent = words
 
     def take(self, entries: tuple[Entry, ...], words: tuple[int, ...]) -> None:
         """Keep the words of a PDO in their objects."""
         self._values |= dict(zip(entries, words, strict=True))
 
-    def due(self) -> list[TpdoFrame]:
-        """The binary TPDOs with something new in them; asked once per cycle of the governor."""
-        frames = []
-        for number in BINARY_TPDOS:
-            if number in self.dictionary.tpdos:
-                words = self._words(number)
-                frames += [TpdoFrame(number, words)] * self._is_news(number, words)
-                self._sent[number] = words
-        return frames
-
     def _words(self, number: int) -> tuple[int, ...]:
         entries = self.dictionary.tpdos[number].entries
         return tuple(self.value(entry.index, entry.sub) for entry in entries)
 
-    def _is_news(self, number: int, words: tuple[int, ...]) -> bool:
+    def _is_new(self, number: int, words: tuple[int, ...]) -> bool:
         if number in self._sent:
             return words != self._sent[number]
         return {
