@@ -1,10 +1,21 @@
 import pytest
 
 from simulators.devices.gateway.model.canopen_bus import BootUp
-from simulators.devices.gateway.model.handshake import NEXT, UNDERWAY, Event, Phase
+from simulators.devices.gateway.model.canopen_errors import CanopenError
+from simulators.devices.gateway.model.handshake import NEXT, UNDERWAY, Event, Handshake, Phase
 from simulators.devices.gateway.model.parameters import Unit
 from simulators.devices.gateway.model.state import GovernorCommand, State
-from simulators.devices.gateway.model.telegrams import Command, InitEnd, Refusal
+from simulators.devices.gateway.model.telegrams import (
+    BinaryPart,
+    Command,
+    GatewayAlive,
+    InitData,
+    InitEnd,
+    InitReady,
+    InitResult,
+    Refusal,
+)
+from simulators.devices.gateway.model.timing import Time
 
 OWN_IS_PARTNER = {"gateway": {428: 1}}
 
@@ -96,6 +107,31 @@ def test_a_telegram_of_another_session_is_ignored(plain):
     assert rig.system.state is State.INIT
 
 
+def test_init_data_of_another_session_do_not_spoil_this_one(plain):
+    rig = plain()
+    rig.system.power_on()
+    rig.run(0.21675)
+    assert rig.system.state is State.INIT
+    rig.governor.programme.can.send(InitData(99, BinaryPart(errors=True, status=True)))
+    assert [message for _, message in rig.run(0.01)] == [BootUp()]
+
+
+def test_answers_of_another_session_lead_nowhere():
+    sent = []
+    handshake = Handshake(Time(), sent.append, [])
+    handshake.heard(GatewayAlive(State.UNDEFINED, 7, True, True, CanopenError(0)))
+    handshake.step()
+    handshake.ready(InitReady(7))
+    assert handshake.phase is Phase.READY
+    handshake.ready(InitReady(8))
+    handshake.judged(InitResult(7, None))
+    assert handshake.phase is Phase.RESULT
+    handshake.judged(InitResult(8, None))
+    assert handshake.phase is Phase.PREOP
+    orders = [body.command for body in sent if isinstance(body, Command)]
+    assert orders == [GovernorCommand.INIT, GovernorCommand.PRE_OPERATIONAL]
+
+
 @pytest.mark.parametrize("phase", Phase)
 def test_every_phase_can_be_left(phase):
     assert set(NEXT[phase].values()) - {phase}
@@ -141,10 +177,22 @@ def test_different_bit_rates_are_a_bus_error_in_both_units(plain):
     rig.system.power_on()
     assert rig.run(1.0) == []
     assert (rig.gateway.desk.read(3070), rig.governor.desk.read(3070)) == (1, 1)
+    rig.governor.power_off()
+    rig.run(0.1)
+    assert rig.gateway.desk.read(3070) == 0
+    rig.governor.reset()
+    rig.run(0.3)
+    assert rig.gateway.desk.read(3070) == 1
     rig.governor.desk.write(416, 500)
     rig.governor.desk.save()
     rig.governor.reset()
     assert BootUp() in [message for _, message in rig.run(1.0)]
+
+
+@pytest.mark.spec("G-001")
+def test_bit_rates_set_by_hand_are_not_compared(plain):
+    rig = plain({"gateway": {416: 500, 4416: 1}}).on()
+    assert rig.system.state is State.PRE_OPERATIONAL
 
 
 @pytest.mark.spec("G-001")

@@ -112,7 +112,11 @@ def test_silence_outside_operational_is_not_watched(plain):
 
 def test_the_heartbeat_error_stays_outside_operational_until_a_heartbeat_or_operational(plain):
     rig = plain(WATCHING).operational()
-    for leave in (rig.system.partner_heartbeat, lambda: rig.system.command(OPERATIONAL)):
+    for leave in (
+        rig.system.partner_heartbeat,
+        rig.gateway.desk.clear_errors,
+        lambda: rig.system.command(OPERATIONAL),
+    ):
         rig.system.command(OPERATIONAL)
         beat(rig, 0.2)
         rig.run(0.2)
@@ -122,3 +126,14 @@ def test_the_heartbeat_error_stays_outside_operational_until_a_heartbeat_or_oper
         leave()
         rig.run(0.02)
         assert rig.word == 0
+
+
+def test_a_heartbeat_is_not_heard_through_a_bus_fault(plain):
+    rig = plain(WATCHING).operational()
+    beat(rig, 0.2)
+    rig.run(0.2)
+    rig.gateway.plug.fault = True
+    rig.run(0.1)
+    rig.system.partner_heartbeat()
+    rig.run(0.1)
+    assert rig.word == 0x1200

@@ -71,6 +71,16 @@ def test_rpdos_outside_operational_change_no_object(rig):
     assert rig.system.value(0x2004, 1) == 0
 
 
+def test_nothing_of_an_operational_period_counts_in_the_next(fed):
+    rig = fed({"governor": {16483: 100}})
+    feed_all(rig, flags=1)
+    rig.system.command(MasterCommand.PRE_OPERATIONAL)
+    rig.run(0.05)
+    rig.system.command(MasterCommand.OPERATIONAL)
+    feed(rig, rpdo2=(1, 2), seconds=0.07)
+    assert (sensors(rig), rig.word) == ([0, 0, 1, 1], 0)
+
+
 @pytest.mark.spec("G-053", "G-100")
 def test_words_of_rpdos_are_in_the_dictionary(fed):
     rig = fed()
@@ -147,6 +157,19 @@ def test_the_time_error_stays_when_operational_is_left_and_goes_when_it_is_back(
     assert rig.word == 0x0004
     rig.system.command(MasterCommand.OPERATIONAL)
     rig.run(0.05)
+    assert rig.word == 0
+
+
+@pytest.mark.spec("G-142")
+def test_clearing_takes_the_time_error_away_outside_operational_only(fed):
+    rig = fed({"governor": {16481: 100}})
+    rig.run(0.2)
+    rig.governor.desk.clear_errors()
+    rig.run(0.1)
+    assert rig.word == 0x0004
+    rig.system.command(MasterCommand.PRE_OPERATIONAL)
+    rig.governor.desk.clear_errors()
+    rig.run(0.1)
     assert rig.word == 0
 
 

@@ -164,6 +164,16 @@ def test_the_first_cyclic_tpdo_comes_within_one_period(plain):
     assert len(tpdos(rig.run(1.0), 4)) == 1
 
 
+def test_the_cyclic_tpdos_begin_with_the_command_pre_operational(plain):
+    rig = plain({"governor": {16460: 1000}, "gateway": {429: 0}}).operational()
+    rig.run(0.4)
+    rig.system.command(MasterCommand.RESET_NODE)
+    ((boot_up, _),) = rig.run(0.05)
+    start(rig)
+    (first, *_), *_ = tpdos(rig.run(1.1), 4)
+    assert 985 < first - boot_up < 1002
+
+
 def test_another_main_cycle_is_another_grid(plain):
     rig = plain({"governor": {16460: 25}}, governor_cycle=0.01).operational()
     times = [at for at, *_ in tpdos(rig.run(1.0), 4)]

@@ -43,7 +43,7 @@ class CanopenSide:
     @property
     def operational(self) -> bool:
         """Whether PDOs are exchanged."""
-        return self._machine.state is State.OPERATIONAL
+        return self.listening and self._machine.state is State.OPERATIONAL
 
     def create(self, outputs: Outputs) -> None:
         """The init telegrams were accepted: there is a dictionary now."""
@@ -76,11 +76,11 @@ class CanopenSide:
     def partner_heartbeat(self) -> None:
         """A heartbeat of the watched partner, its boot-up included (A-19)."""
         if self.bus.alive:
-            self.consumer.receive(self._machine.state)
+            self.consumer.receive()
 
     def mapped(self, rpdo: int) -> tuple[Entry, ...]:
         """The entries of an RPDO 1..4 that is taken; none if it is not active, or nothing is."""
-        if self.outputs is None or not self.listening or not self.operational:
+        if self.outputs is None or not self.operational:
             return ()
         pdo = self.outputs.dictionary.rpdos.get(rpdo)
         return () if pdo is None else pdo.entries

@@ -165,7 +165,6 @@ class GatewayProgramme(Programme):
             self.errors.own |= CanopenError.GW_RESET
         self._initialisation.begin(command.session)
         self._enter(command.command)
-        self.canopen.outputs = None  # an attempt may follow another in Init
         self.can.send(InitReady(command.session))
 
     def _initialising(self, session: int) -> bool:

@@ -142,7 +142,7 @@ class GovernorProgramme(Programme):
             case InitResult() as answer:
                 self.handshake.judged(answer)
                 self._served = 0
-            case RpdoData(number, words) if self.state is State.OPERATIONAL:
+            case RpdoData(number, words):
                 self.inputs.rpdos[number].receive(words)
             case ClearErrors():
                 self.clear()

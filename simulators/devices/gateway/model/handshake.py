@@ -131,8 +131,7 @@ class Handshake:
             self._begin(self.gateway)
 
     def cleared(self) -> None:
-        """All errors were cleared: there are three more attempts."""
-        self._attempts = 0
+        """All errors were cleared: there are three more attempts, if they were used up."""
         if self.phase is Phase.FAILED:
             self._again()
 

@@ -43,10 +43,9 @@ class Consumer:
         """Operational was entered."""
         self.tripped, self._armed, self._age = False, self.always_armed, 0
 
-    def receive(self, state: State) -> None:
+    def receive(self) -> None:
         """A heartbeat came; a trip is over."""
-        self.tripped, self._age = False, 0
-        self._armed = self._armed or state is State.OPERATIONAL
+        self.tripped, self._armed, self._age = False, True, 0
 
     def step(self, state: State) -> None:
         """One main cycle without a heartbeat."""

@@ -60,8 +60,7 @@ class SpeedGovernor:
 
     def __init__(self, engine: Engine, operation: Operation, cycle: float) -> None:
         self._engine, self._operation, self._cycle = engine, operation, cycle
-        turning = engine.speed >= RELEASE_SPEED
-        self.mode = Mode.RUNNING if turning else Mode.STOPPED
+        self.mode = Mode.STOPPED
         self.setpoint = max(IDLE_SPEED, engine.speed)  # rpm
         self._integral = IDLE_FUEL
         self._derivative = 0.0

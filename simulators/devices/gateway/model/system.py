@@ -111,7 +111,7 @@ class System:
         return min((due for due in dues if due is not None), default=None)
 
     def _act(self, now: int) -> None:
-        for which, direction in self.link.to.items():
+        for which, direction in self.link.to.items():  # a main cycle finds all that has arrived
             while direction.due == now:
                 self._units[which].receive(direction.arrive())
         for unit in self._units.values():
