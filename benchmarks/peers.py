@@ -1,4 +1,4 @@
-"""What the twins are measured against: canopen's `LocalNode`, as shipped, over the same EDS."""
+"""What the twins are measured against: canopen's `LocalNode`, as shipped, with the same EDS."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -31,7 +31,8 @@ def local_node() -> canopen.LocalNode:
 
 def muted() -> canopen.Network:
     """A network with that node, to be notified of frames by hand."""
-    network = canopen.Network(Mute())
+    bus: Any = Mute()
+    network = canopen.Network(bus)
     network.add_node(local_node())
     return network
 
@@ -39,15 +40,15 @@ def muted() -> canopen.Network:
 @contextmanager
 def master(channel: str) -> Iterator[canopen.RemoteNode]:
     """A master's view of the node from the other end of a `virtual` bus."""
-    with canopen.Network().connect(interface="virtual", channel=channel) as network:
-        with od_file("topcon.eds") as path:
-            yield network.add_node(NODE_ID, str(path))
+    network = canopen.Network().connect(interface="virtual", channel=channel)
+    with network, od_file("topcon.eds") as path:
+        yield network.add_node(NODE_ID, str(path))
 
 
 @contextmanager
 def virtual(channel: str) -> Iterator[canopen.RemoteNode]:
     """The same, with the `LocalNode` on the bus."""
-    with canopen.Network().connect(interface="virtual", channel=channel) as network:
-        network.add_node(local_node())
-        with master(channel) as remote:
-            yield remote
+    network = canopen.Network().connect(interface="virtual", channel=channel)
+    network.add_node(local_node())
+    with network, master(channel) as remote:
+        yield remote

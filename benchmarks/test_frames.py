@@ -23,12 +23,13 @@ OPERATIONAL = Frame.parse("000#0105")
 
 @pytest.fixture
 def segment() -> Segment:
-    """A TopCon in Operational, its output off, TPDO 1 of type 1."""
+    """A TopCon in Operational, its output off and at rest, TPDO 1 of type 1."""
     segment = Segment()
     segment.node(devices.create("topcon", node_id=peers.NODE_ID), "topcon").power_on()
     segment.deliver()
     segment.send(TPDO1_ON_EVERY_SYNC)
     segment.send(OPERATIONAL)
+    segment.advance(1.0)
     return segment
 
 

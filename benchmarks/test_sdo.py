@@ -1,22 +1,65 @@
 """One expedited upload by `RemoteNode`, from the request to the value."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from threading import Event, Thread
 
+import can
+import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from benchmarks import peers
-from simulators import Bench
+from simulators import Bench, devices
+from simulators.segment import Segment
+from simulators.serve import serve
+
+OBJECTS = {"memory": 0x1017, "measured": 0x2020}
+"""Heartbeat time, in memory on both sides; actual voltage, which the twin has from its model."""
+
+objects = pytest.mark.parametrize("name", OBJECTS)
 
 
-def upload(remote) -> Callable[[], bytes]:
-    return lambda: remote.sdo.upload(peers.ACTUAL_VOLTAGE, 0)
+def upload(remote, name: str) -> Callable[[], bytes]:
+    return lambda: remote.sdo.upload(OBJECTS[name], 0)
 
 
-def test_upload_localnode_virtual(benchmark: BenchmarkFixture):
-    with peers.virtual("upload-localnode") as remote:
-        assert benchmark(upload(remote)) == bytes(2)
+@contextmanager
+def served(channel: str) -> Iterator[None]:
+    """A TopCon on a `virtual` bus, in a thread of its own."""
+    segment = Segment()
+    segment.node(devices.create("topcon", node_id=peers.NODE_ID), "topcon").power_on()
+    ready, stop = Event(), Event()
+
+    def run() -> None:
+        serve(
+            segment,
+            lambda: can.Bus(interface="virtual", channel=channel),
+            stop.is_set,
+            ready.set,
+        )
+
+    thread = Thread(target=run)
+    thread.start()
+    ready.wait()
+    yield
+    stop.set()
+    thread.join()
 
 
-def test_upload_bench(benchmark: BenchmarkFixture):
+@objects
+def test_upload_localnode_virtual(benchmark: BenchmarkFixture, name: str):
+    with peers.virtual(f"localnode-{name}") as remote:
+        assert benchmark(upload(remote, name)) == bytes(2)
+
+
+@objects
+def test_upload_served_virtual(benchmark: BenchmarkFixture, name: str):
+    channel = f"served-{name}"
+    with served(channel), peers.master(channel) as remote:
+        assert benchmark(upload(remote, name)) == bytes(2)
+
+
+@objects
+def test_upload_bench(benchmark: BenchmarkFixture, name: str):
     remote = Bench("topcon", node_id=peers.NODE_ID).twin.remote
-    assert benchmark(upload(remote)) == bytes(2)
+    assert benchmark(upload(remote, name)) == bytes(2)

@@ -1,1 +1,143 @@
-"""The command canopen-twin."""
+"""The command canopen-twin: what it understands, and how it ends.
+
+Exit codes: 0 all is well, 1 an expectation failed (or a bug, with its traceback), 2 wrong input,
+130 interrupted. What a program may read goes to stdout, what people may read to stderr.
+"""
+
+import argparse
+import logging
+import os
+import sys
+from collections.abc import Callable, Sequence
+from functools import partial
+from importlib import import_module
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from simulators.errors import UserError
+
+WRONG_INPUT, INTERRUPTED, NO_READER = 2, 130, 141
+PROGRAM = "canopen-twin"
+
+DEVICE = "one of `canopen-twin list`"
+SCENARIO = "a file, or the name of one that is shipped"
+VERBOSE = "tell more; -vv the most"
+
+Command = Callable[[argparse.Namespace], int]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command and return the exit code; a bug comes out as its exception."""
+    options = parser().parse_args(arguments)
+    _log(options.verbose)
+    command: Command = options.command
+    try:
+        code = command(options)
+        sys.stdout.flush()
+    except UserError as error:
+        for line in str(error).splitlines():
+            print(f"{PROGRAM}: {line}", file=sys.stderr)
+        return WRONG_INPUT
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except BrokenPipeError:  # whoever read our output has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return NO_READER
+    return code
+
+
+def _log(verbosity: int) -> None:
+    level = logging.WARNING - 10 * min(verbosity, 2)
+    logging.basicConfig(format=f"{PROGRAM}: %(message)s", level=level, stream=sys.stderr)
+    if not verbosity:  # python-can tells what it raises, too
+        logging.getLogger("can").setLevel(logging.CRITICAL)
+
+
+class Parser(argparse.ArgumentParser):
+    """The parser of a command; what takes an import is added when the command is chosen."""
+
+    late: Callable[[argparse.ArgumentParser], None] | None = None
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse, after everything is there."""
+        if self.late is not None:
+            self.late(self)
+        return super().parse_known_args(args, namespace)
+
+
+Commands: TypeAlias = "argparse._SubParsersAction[Parser]"  # noqa: SLF001
+
+
+class Version(argparse.Action):
+    """Looks for the version of the installed package only if somebody asks for it."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        """Print it, and end."""
+        print(version("canopen-twins"))
+        parser.exit()
+
+
+def parser() -> argparse.ArgumentParser:
+    """Everything that can be said on the command line."""
+    top = argparse.ArgumentParser(prog=PROGRAM, description="Digital twins of CANopen slaves.")
+    top.add_argument("--version", action=Version, nargs=0, help="print the version")
+    top.add_argument("-v", "--verbose", action="count", default=0, help=VERBOSE)
+    commands = top.add_subparsers(metavar="COMMAND", required=True, parser_class=Parser)
+    _catalogue(commands)
+    _run(commands)
+    for name, text in (
+        ("play", "play scenarios in simulated time: a trace in candump format, then the verdict"),
+        ("check", "say what is wrong with scenarios, without playing them"),
+    ):
+        command = _command(commands, name, text, "scenarios", name)
+        command.add_argument("scenarios", nargs="+", metavar="SCENARIO", help=SCENARIO)
+    return top
+
+
+def _command(commands: Commands, name: str, text: str, module: str, function: str) -> Parser:
+    """A command whose imports wait until it is chosen, so that --help is there at once."""
+
+    def command(options: argparse.Namespace) -> int:
+        run: Command = getattr(import_module(f"simulators.commands.{module}"), function)
+        return run(options)
+
+    parser = commands.add_parser(name, help=text, description=text)
+    parser.add_argument("-v", "--verbose", action="count", default=argparse.SUPPRESS, help=VERBOSE)
+    parser.set_defaults(command=command)
+    return parser
+
+
+def _catalogue(commands: Commands) -> None:
+    _command(commands, "list", "print the devices and scenarios there are", "catalogue", "list_all")
+    for name, text in (
+        ("objects", "print the object dictionary of a device"),
+        ("settings", "print what can be chosen with --set, and what is assumed"),
+        ("faults", "print what can be injected"),
+        ("eds", "print the EDS file of a device"),
+    ):
+        command = _command(commands, name, text, "catalogue", name)
+        command.add_argument("device", metavar="DEVICE", help=DEVICE)
+
+
+def _run(commands: Commands) -> None:
+    text = "run a twin on a CAN bus in real time, until it is stopped or its scenario is over"
+    command = _command(commands, "run", text, "run", "run")
+    command.add_argument("device", metavar="DEVICE", help=DEVICE)
+    command.add_argument(
+        "-n", "--node-id", type=partial(int, base=0), metavar="ID", help="1..127, or as 0x05"
+    )
+    command.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="see `settings DEVICE`"
+    )
+    command.add_argument("--scenario", metavar="SCENARIO", help=SCENARIO)
+    command.add_argument(
+        "--nvram", type=Path, metavar="FILE", help="keep what the device stores in a file"
+    )
+    command.late = _bus_arguments
+
+
+def _bus_arguments(command: argparse.ArgumentParser) -> None:
+    from can.cli import add_bus_arguments  # noqa: PLC0415
+
+    add_bus_arguments(command)

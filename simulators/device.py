@@ -1,6 +1,7 @@
 """What a device says of itself; a new device overrides what it has, the rest is quiet."""
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from math import inf
 from typing import Any, ClassVar
@@ -143,20 +144,35 @@ class Device:
             UserError: unknown, of the wrong kind, or taken over at power-on only; the settings
                 are then as before.
         """
-        before, self.settings = self.settings, changed(self.settings, given, live=True)
-        try:
+        with self._trial(given, live=True):
             self.apply()
-        except UserError:
-            self.settings = before
-            raise
 
     def configure(self, **given: object) -> None:
         """Change settings while the device is off.
 
         Raises:
-            UserError: unknown, of the wrong kind, or a node id outside 1..127.
+            UserError: unknown, of the wrong kind, or they do not go together; the settings are
+                then as before.
         """
-        self.settings = changed(self.settings, given)
+        with self._trial(given):
+            pass
+
+    @contextmanager
+    def _trial(self, given: Mapping[str, object], live: bool = False) -> Iterator[None]:
+        before, self.settings = self.settings, changed(self.settings, given, live=live)
+        try:
+            self.check()
+            yield
+        except UserError:
+            self.settings = before
+            raise
+
+    def check(self) -> None:
+        """Look at the settings as a whole, before they are taken over.
+
+        Raises:
+            UserError: right one by one, but not together; a node id outside 1..127.
+        """
         if self.node_id not in NODE_IDS:
             raise UserError(f"node id {self.node_id} is not in 1..127")
 

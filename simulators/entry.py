@@ -13,8 +13,10 @@ class Entry:
     """Its value is where one of its objects has it, otherwise in the node's data store."""
 
     __slots__ = (
+        "_adjusts",
         "_cell",
-        "acts",
+        "_source",
+        "_writes",
         "address",
         "high",
         "low",
@@ -38,17 +40,26 @@ class Entry:
         self.unpack: Callable[[bytes], Any] = _first(codec) if codec else variable.decode_raw
         whole = data_type in INTEGER_TYPES
         self.low, self.high = (variable.min, variable.max) if whole else (None, None)
-        self.acts: list[Object] = []
+        self._source: Callable[[], Value] | None = None
+        self._adjusts: list[Callable[[int], int]] = []
+        self._writes: list[Callable[[int], None]] = []
         self._cell = cell
         cell[variable.subindex] = self._initial()
 
+    def bind(self, acts: Object) -> None:
+        """Let an object act, after those that do already; the first that has a value is read."""
+        self._source = self._source or acts.read
+        if acts.adjust is not None:
+            self._adjusts.append(acts.adjust)
+        if acts.write is not None:
+            self._writes.append(acts.write)
+
     def read(self) -> bytes:
         """The value as it goes over the wire."""
-        for acts in self.acts:
-            if acts.read is not None:
-                value = acts.read()
-                return value if isinstance(value, bytes) else self.pack(value)
-        return self._cell[self.variable.subindex]
+        if self._source is None:
+            return self._cell[self.variable.subindex]
+        value = self._source()
+        return value if isinstance(value, bytes) else self.pack(value)
 
     def write(self, data: bytes) -> None:
         """Take a value of the right length over.
@@ -56,7 +67,8 @@ class Entry:
         Raises:
             Rejected: out of the limits of the EDS, or refused by the device.
         """
-        if self.low is not None or self.high is not None or self.acts:
+        limited = self.low is not None or self.high is not None
+        if limited or self._adjusts or self._writes:
             data = self._act(data)
         self._cell[self.variable.subindex] = data
 
@@ -66,12 +78,10 @@ class Entry:
             raise Rejected(f"{value} is above {self.high}", Abort.TOO_HIGH)
         if self.low is not None and value < self.low:
             raise Rejected(f"{value} is below {self.low}", Abort.TOO_LOW)
-        for acts in self.acts:
-            if acts.adjust is not None:
-                value = acts.adjust(value)
-        for acts in self.acts:
-            if acts.write is not None:
-                acts.write(value)
+        for adjust in self._adjusts:
+            value = adjust(value)
+        for write in self._writes:
+            write(value)
         return self.pack(value)
 
     def _initial(self) -> bytes:

@@ -3,7 +3,6 @@
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-
 LONGEST_LIST = 24  # names in one line; a dictionary has hundreds
 
 

@@ -23,8 +23,8 @@ def convert(what: str, value: object, kind: type) -> object:
 def _scalar(value: object, kind: type) -> object:
     if kind is bool:
         return value if isinstance(value, bool) else WORDS[str(value).lower()]
-    if isinstance(value, bool) or not isinstance(value, (str, int, float)):
-        raise TypeError(value)
+    if isinstance(value, bool) or not isinstance(value, str if kind is str else (str, int, float)):
+        raise TypeError(value)  # a number is no text: is it 4.20 or 4.2?
     if kind is int:
         return int(value, 0) if isinstance(value, str) else _whole(value)
     if kind is float and not isfinite(float(value)):

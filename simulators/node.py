@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from math import inf, isfinite
 
-from simulators.clock import MICROSECONDS, Clock, Timer, microseconds
+from simulators.clock import MICROSECONDS, Action, Clock, Scope, Timer, microseconds
 from simulators.device import Device
 from simulators.faults import Faults
 from simulators.services import State
@@ -37,7 +37,7 @@ class Node:
         self._stack: Stack | None = None  # none: silent, whatever the reason
         self._before: Slave | None = None
         self._afresh = True  # the next boot is one of the application, not of communication alone
-        self._log = EmcyLog()
+        self.log = EmcyLog()
         self._cycle = microseconds(device.cycle)
         self._stepped = clock.ticks
         self._wake: float = inf
@@ -91,6 +91,12 @@ class Node:
         self.device.on_frame()
         for handle in handlers:
             handle(frame)
+        self._settle()
+
+    def _on_time(self, action: Action) -> None:
+        """A timer of a service acts as a frame does."""
+        self._catch_up()
+        action()
         self._settle()
 
     @contextmanager
@@ -164,12 +170,13 @@ class Node:
     def _boot(self) -> None:
         """A fresh slave from the EDS and the stored parameters."""
         device = self.device
-        slave = Slave(device.dictionary(), device.node_id, self.wire, self.clock, device.profile)
+        scope = Scope(self.clock, self._on_time)
+        slave = Slave(device.dictionary(), device.node_id, self.wire, scope, device.profile)
         if self._afresh:
-            self._log = EmcyLog()
+            self.log = EmcyLog()
         elif self._before is not None:
             slave.keep_application(self._before)
-        self._stack = Stack(slave, device, self._log)
+        self._stack = Stack(slave, device, self.log)
         area = EVERYTHING if self._afresh else COMMUNICATION_AREA
         recall(slave, device.memory, device.stored, area)
         self._stack.boot_up()

@@ -48,6 +48,6 @@ class Profile:
     no_history_code: int | None = None
     """Abort code for an unused entry of 0x1003; it reads 0 without one."""
     strict_cob_id: bool = False
-    """Whether a new COB-ID needs two writes, bit 31 first; one that also sets it is refused."""
+    """Whether a new COB-ID needs two writes, bit 31 first, and bit 30 of an RPDO as it is."""
     store_code: int = Abort.NOT_TRANSFERABLE
     """Abort code for a wrong signature in 0x1010 and 0x1011."""

@@ -65,15 +65,21 @@ class Segment:
         self.deliver()
 
     def deliver(self) -> None:
-        """Bring every frame that is waiting to whoever hears it."""
+        """Bring every frame that is waiting to whoever hears it.
+
+        Listeners come after the nodes, as they may send in turn: no node hears the reply to a
+        frame before the frame. They hear the frame that brings a bug to light, too.
+        """
         outbox = self._outbox
         while outbox:
             sender, frame = outbox.popleft()
-            for listener in self.listeners:
-                listener(frame, sender.name)
-            for node in self.nodes:
-                if node.wire is not sender:
-                    node.receive(frame)
+            try:
+                for node in self.nodes:
+                    if node.wire is not sender:
+                        node.receive(frame)
+            finally:
+                for listener in self.listeners:
+                    listener(frame, sender.name)
 
     def advance(self, seconds: float) -> None:
         """Let time pass; frames are delivered at the moment they are sent."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields, replace
+from math import inf
 from types import UnionType
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
@@ -11,8 +12,15 @@ from simulators.kinds import convert
 Settings = TypeVar("Settings")
 
 
-def setting(
-    default: Any, text: str, *, unit: str = "", assumed: str = "", live: bool = False
+def setting(  # noqa: PLR0913 - each is a word about one setting
+    default: Any,
+    text: str,
+    *,
+    unit: str = "",
+    assumed: str = "",
+    live: bool = False,
+    low: float = -inf,
+    high: float = inf,
 ) -> Any:
     """A field of a settings dataclass.
 
@@ -22,8 +30,10 @@ def setting(
         unit: Of a number.
         assumed: The number of the assumption behind the default, if no manual prints it.
         live: Whether it may change while the device runs (`set` in a scenario).
+        low: The least number it takes.
+        high: The greatest.
     """
-    return field(default=default, metadata={"about": About(text, unit, assumed, live)})
+    return field(default=default, metadata={"about": About(text, unit, assumed, live, low, high)})
 
 
 @dataclass(frozen=True)
@@ -34,6 +44,15 @@ class About:
     unit: str = ""
     assumed: str = ""
     live: bool = False
+    low: float = -inf
+    high: float = inf
+
+    @property
+    def range(self) -> str:
+        """The numbers it takes, in words; empty for any."""
+        if self.high < inf:
+            return f"{self.low} to {self.high}"
+        return f"{self.low} or more" if self.low > -inf else ""
 
 
 def about(entry: "Field[Any]") -> About:
@@ -46,8 +65,8 @@ def changed(settings: Settings, given: Mapping[str, object], *, live: bool = Fal
     """The same settings with some given anew, each converted to the type of its field.
 
     Raises:
-        UserError: an unknown name, a value of the wrong type, or, with `live`, a setting that
-            cannot change while the device runs.
+        UserError: an unknown name, a value of the wrong type or out of its range, or, with
+            `live`, a setting that cannot change while the device runs.
     """
     types = get_type_hints(type(settings))
     known = {entry.name: entry for entry in fields(settings)}  # type: ignore[arg-type]
@@ -57,6 +76,8 @@ def changed(settings: Settings, given: Mapping[str, object], *, live: bool = Fal
         if live and not about(known[name]).live:
             raise UserError(f"setting {name!r} is taken over at power-on only")
     converted = {name: _convert(name, value, types[name]) for name, value in given.items()}
+    for name, value in converted.items():
+        _check_range(name, value, about(known[name]))
     return replace(settings, **converted)  # type: ignore[type-var]
 
 
@@ -73,6 +94,11 @@ def _convert(name: str, value: object, kind: Any) -> object:
             return None
         kind = next(option for option in get_args(kind) if option is not type(None))
     return convert(f"setting {name!r}", value, kind)
+
+
+def _check_range(name: str, value: object, told: About) -> None:
+    if isinstance(value, (int, float)) and not told.low <= value <= told.high:
+        raise UserError(f"setting {name!r} is {told.range}, not {value}")
 
 
 def _choice(name: str, value: object, choices: tuple[object, ...]) -> object:

@@ -11,7 +11,7 @@ from typing import Any
 from canopen import LocalNode, ObjectDictionary, SdoAbortedError, import_od
 from canopen.objectdictionary import ODVariable
 
-from simulators.clock import Clock, Scope
+from simulators.clock import Scope
 from simulators.entry import Entry
 from simulators.objects import Abort, Address, Object, Rejected
 from simulators.profile import Profile
@@ -42,18 +42,21 @@ class Slave(LocalNode):
         od: ObjectDictionary,
         node_id: int,
         wire: Wire,
-        clock: Clock,
+        clock: Scope,
         profile: Profile | None = None,
     ) -> None:
         super().__init__(node_id, od)
         self.node_id = node_id
         self.wire = wire
-        self.clock = Scope(clock)  # a reset makes a fresh slave: the timers of this one end with it
+        self.clock = clock  # a reset makes a fresh slave: the timers of this one end with it
         self.profile = profile or Profile()
         self.entries: dict[int, dict[int, Entry]] = {}
         self.on_communication_change: Callable[[], None] = lambda: None
+        self.dummies: dict[int, int] = {}  # those the EDS allows, with their bits
         for index, item in od.indices.items():
-            if index not in DUMMIES:
+            if index in DUMMIES:
+                self.dummies[index] = len(item)
+            else:
                 self._add(index, item)
         wire.shut = False
         for other in list(wire):
@@ -80,7 +83,7 @@ class Slave(LocalNode):
             KeyError: the dictionary has no such entry.
         """
         for (index, subindex), acts in objects.items():
-            self.entries[index][subindex].acts.append(acts)
+            self.entries[index][subindex].bind(acts)
 
     def entry(self, index: int, subindex: int) -> Entry:
         """The entry at an address.

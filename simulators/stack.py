@@ -62,11 +62,11 @@ class Stack:
             self._announce(self._nmt.state)
 
     def publish(self) -> None:
-        """Send what is new, and follow what has been changed in the communication area."""
-        for publish in self.publishers:
-            publish()
+        """Follow what has been changed in the communication area, then send what is new."""
         if self.stale:
             self._derive()
+        for publish in self.publishers:
+            publish()
 
     def close(self) -> None:
         """Fall silent."""

@@ -5,6 +5,7 @@ from typing import Any
 import canopen
 
 from simulators.device import Device
+from simulators.errors import UserError
 from simulators.node import Node
 from simulators.segment import Segment
 
@@ -24,7 +25,9 @@ class Twin:
     def device(self) -> Any:
         """The device itself as it is at this moment, to look at its model."""
         with self.node.acting() as device:
-            return device
+            pass
+        self._segment.deliver()
+        return device
 
     @property
     def remote(self) -> canopen.RemoteNode:
@@ -80,8 +83,10 @@ class Twin:
         """Switch the supply on, with other settings if any are given.
 
         Raises:
-            UserError: no such setting, or a wrong value.
+            UserError: no such setting, a wrong value, or the power is on already.
         """
+        if settings and self.node.powered:
+            raise UserError(f"the power is on: switch it off to change {', '.join(settings)}")
         if settings:
             self.node.device.configure(**settings)
         self.node.power_on()

@@ -10,7 +10,7 @@ from canopen.objectdictionary import ODArray, ODRecord, ODVariable
 from canopen.objectdictionary.datatypes import VISIBLE_STRING
 
 NODE_ID = 29
-EDS_FILES = sorted(Path(__file__).parents[1].glob("od/*.eds"))
+EDS_FILES = sorted(Path(__file__).parents[1].glob("*/*.eds"))  # of the devices, and the probe
 LISTS = ("MandatoryObjects", "OptionalObjects", "ManufacturerObjects")
 RPDO, TPDO = range(0x1400, 0x1600), range(0x1800, 0x1A00)
 ENTRY = re.compile(r"([0-9A-F]{4})(?:sub([0-9A-F]+))?")

@@ -83,16 +83,23 @@ def arguments(name: str, fault: Fault, given: Mapping[str, Any]) -> dict[str, An
     Raises:
         UserError: an unknown parameter, one that is missing, or a value of the wrong kind.
     """
-    for parameter in given:
-        if parameter not in fault.parameters:
-            raise unknown(f"parameter of fault {name!r}", parameter, fault.parameters)
-    values = {key: told.default for key, told in fault.parameters.items()} | dict(given)
+    values = {key: told.default for key, told in fault.parameters.items()}
+    values |= {key: argument(name, fault, key, value) for key, value in given.items()}
     for parameter, value in values.items():
         if value is None:
             raise UserError(
                 f"fault {name!r} wants {parameter!r}: {fault.parameters[parameter].text}"
             )
-    return {
-        key: convert(f"parameter {key!r} of fault {name!r}", value, fault.parameters[key].kind)
-        for key, value in values.items()
-    }
+    return values
+
+
+def argument(name: str, fault: Fault, parameter: str, value: object) -> Any:
+    """One parameter as the fault takes it.
+
+    Raises:
+        UserError: the fault has no such parameter, or the value is of the wrong kind.
+    """
+    if parameter not in fault.parameters:
+        raise unknown(f"parameter of fault {name!r}", parameter, fault.parameters)
+    kind = fault.parameters[parameter].kind
+    return convert(f"parameter {parameter!r} of fault {name!r}", value, kind)

@@ -21,8 +21,19 @@ RESTRICTED: Iterable[range] = (
 
 
 def check(value: int) -> None:
-    """Raises `Rejected` if a COB-ID that shall be used names no identifier that is free for it."""
+    """Raises `Rejected` if a COB-ID names no identifier, or one in use by another service."""
     if value & RESERVED:
         raise Rejected(f"{value:08X}h: identifiers have 11 bits")
-    if any(value & CAN_ID in ids for ids in RESTRICTED):
+    if not value & INVALID and any(value & CAN_ID in ids for ids in RESTRICTED):
         raise Rejected(f"{value & CAN_ID:03X}h belongs to another service")
+
+
+def check_change(before: int, value: int, *, strict: bool = False) -> None:
+    """Raises `Rejected` if more than bit 31 changes while it is 0 before and after the write.
+
+    `strict` wants it to be 1 before.
+    """
+    changed = (before ^ value) & ~INVALID
+    if changed and not before & INVALID and (strict or not value & INVALID):
+        raise Rejected("bit 31 has to be set before the identifier changes")
+    check(value)

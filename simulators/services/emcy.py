@@ -1,7 +1,7 @@
 """Emergencies: the messages, their tables, and the producer that reports what has changed."""
 
 import csv
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial, reduce
 from operator import or_
@@ -10,11 +10,12 @@ from typing import NamedTuple
 from simulators.objects import Address, Object, Rejected
 from simulators.resources import od_file
 from simulators.services import Service, State
+from simulators.services import cob_id as cob_ids
 from simulators.slave import Slave
 from simulators.wire import Frame
 
-INVALID = 1 << 31
 FIELD_LENGTH = 5  # bytes of the manufacturer-specific error field
+BIT_30 = 1 << 30
 
 Key = tuple[int, int]  # emergency error code, manufacturer-specific error field
 
@@ -58,16 +59,21 @@ def when_all_are_gone(gone: Emcy, register: int) -> Emcy | None:
 
 @dataclass
 class EmcyLog:
-    """What outlives a reset of the communication: the errors that are active, and the history."""
+    """What outlives a reset of the communication: errors, what the master knows, the history."""
 
     active: Sequence[Emcy] = ()
+    told: Sequence[Emcy] = ()
     history: list[Emcy] = field(default_factory=list)
-    unsent: list[Emcy] = field(default_factory=list)
 
     @property
     def register(self) -> int:
         """The error register 0x1001: the bits of every active error."""
-        return reduce(or_, (emcy.register for emcy in self.active), 0)
+        return register(self.active)
+
+
+def register(errors: Iterable[Emcy]) -> int:
+    """The error register of some errors."""
+    return reduce(or_, (emcy.register for emcy in errors), 0)
 
 
 class EmcyProducer(Service):
@@ -97,51 +103,53 @@ class EmcyProducer(Service):
 
     @property
     def objects(self) -> Mapping[Address, Object]:
-        """Error register and error history, as deep as the dictionary has it."""
-        history = {
-            (0x1003, sub): Object(read=partial(self._past, sub - 1))
-            for sub in range(1, self._depth + 1)
-        }
+        """Error register, error history as deep as the dictionary has it, and COB-ID."""
+        entries = {(0x1001, 0): Object(read=lambda: self.log.register)}
         if self._depth:
-            history[0x1003, 0] = Object(read=lambda: len(self.log.history), write=self._erase)
-        return {(0x1001, 0): Object(read=lambda: self.log.register), **history}
+            entries[0x1003, 0] = Object(read=lambda: len(self.log.history), write=self._erase)
+        for age in range(self._depth):
+            entries[0x1003, age + 1] = Object(read=partial(self._past, age))
+        if self.slave.has(0x1014):
+            entries[0x1014, 0] = Object(write=self._check_cob_id)
+        return entries
 
     def on_state(self, state: State) -> None:
         """Nothing is sent in Stopped (CiA 301, table 37)."""
         self._sending = state in (State.PRE_OPERATIONAL, State.OPERATIONAL)
 
     def publish(self) -> None:
-        """Compare what is wrong with what was told."""
+        """Follow what is wrong, and tell how it differs from what was told."""
         now = self._emergencies()
         if now != self.log.active:
-            self._follow(now)
-        if self._sending and self.log.unsent:
-            self._send()
+            self._follow(tuple(now))
+        if self._sending and self.log.told != self.log.active:
+            self._tell()
 
     def _follow(self, now: Sequence[Emcy]) -> None:
-        log, before = self.log, self.log.active
-        log.active = now = tuple(now)
-        for gone in (emcy for emcy in before if emcy not in now):
-            self._take_back(gone)
+        before, self.log.active = self.log.active, now
         for new in (emcy for emcy in now if emcy not in before):
-            log.history = [new, *log.history][: self._depth]
-            log.unsent.append(new)
+            self.log.history = [new, *self.log.history][: self._depth]
 
-    def _take_back(self, gone: Emcy) -> None:
-        if gone in self.log.unsent:
-            self.log.unsent.remove(gone)
-        elif farewell := self._farewell(gone, self.log.register):
-            self.log.unsent.append(farewell)
+    def _tell(self) -> None:
+        before, self.log.told = self.log.told, self.log.active
+        left = [*before, *(emcy for emcy in self.log.told if emcy not in before)]
+        for gone in (emcy for emcy in before if emcy not in self.log.told):
+            left.remove(gone)
+            if farewell := self._farewell(gone, register(left)):
+                self._send(farewell, farewell.register)
+        for new in (emcy for emcy in self.log.told if emcy not in before):
+            self._send(new, self.log.register)
 
-    def _send(self) -> None:
+    def _send(self, emcy: Emcy, bits: int) -> None:
         cob_id = self.slave.number(0x1014) if self.slave.has(0x1014) else 0x80 + self.slave.node_id
-        unsent, self.log.unsent = self.log.unsent, []
-        if cob_id & INVALID:
-            return
-        for emcy in unsent:
-            register = self.log.register if emcy.code else emcy.register
-            data = emcy.code.to_bytes(2, "little") + bytes([register]) + emcy.field
-            self.slave.wire.put(Frame(cob_id & 0x7FF, data))
+        if not cob_id & cob_ids.INVALID:
+            data = emcy.code.to_bytes(2, "little") + bytes([bits]) + emcy.field
+            self.slave.wire.put(Frame(cob_id & cob_ids.CAN_ID, data))
+
+    def _check_cob_id(self, value: int) -> None:
+        if value & BIT_30:
+            raise Rejected("bit 30 of an emergency is always 0")
+        cob_ids.check_change(self.slave.number(0x1014), value)
 
     @property
     def _depth(self) -> int:

@@ -1,10 +1,10 @@
 """Heartbeat: the producer on the clock, and the consumer of other nodes' heartbeats (0x1016)."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 
 from simulators.clock import Timer
-from simulators.objects import Address, Object
+from simulators.objects import Abort, Address, Object, Rejected
 from simulators.services import Listening, Service, State
 from simulators.slave import Slave
 from simulators.wire import Frame
@@ -15,6 +15,8 @@ STATE_BYTE = {
     State.OPERATIONAL: 0x05,
     State.PRE_OPERATIONAL: 0x7F,
 }
+
+NODE_IDS = range(1, 128)
 
 
 class HeartbeatProducer(Service):
@@ -68,20 +70,32 @@ class HeartbeatConsumer(Service):
         self._watched: dict[int, Timer] = {}
         self._lost: set[int] = set()
 
+    @property
+    def objects(self) -> Mapping[Address, Object]:
+        """A node has one time at most."""
+        entries = self.slave.entries.get(0x1016, {})
+        return {(0x1016, sub): Object(write=partial(self._check, sub)) for sub in entries if sub}
+
     def listen(self) -> Listening:
         """The heartbeats of every node with an id and a time."""
-        watched = dict(self._named())
-        for node_id in self._watched.keys() - watched.keys():
+        watched = dict(self._named.values())
+        for node_id in [known for known in self._watched if known not in watched]:
             self._watched.pop(node_id).cancel()
         for node_id, time in watched.items():
             yield (0x700 + node_id, False), partial(self._on_heartbeat, node_id, time)
 
-    def _named(self) -> Iterator[tuple[int, float]]:
-        entries = self.slave.entries.get(0x1016, {})
-        for value in (self.slave.number(0x1016, sub) for sub in entries if sub):
-            node_id, milliseconds = value >> 16 & 0x7F, value & 0xFFFF
-            if node_id and milliseconds:
-                yield node_id, milliseconds / 1000
+    @property
+    def _named(self) -> Mapping[int, tuple[int, float]]:
+        """Node id and time in seconds of every entry that is in use, by sub-index."""
+        subindices = [sub for sub in self.slave.entries.get(0x1016, {}) if sub]
+        entries = {sub: _consumed(self.slave.number(0x1016, sub)) for sub in subindices}
+        return {sub: entry for sub, entry in entries.items() if entry is not None}
+
+    def _check(self, subindex: int, value: int) -> None:
+        new = _consumed(value)
+        others = [node_id for sub, (node_id, _) in self._named.items() if sub != subindex]
+        if new is not None and new[0] in others:
+            raise Rejected("the node has a time already", Abort.INCOMPATIBLE)  # 7.5.2.19
 
     def _on_heartbeat(self, node_id: int, time: float, frame: Frame) -> None:
         if len(frame.data) != 1:
@@ -96,3 +110,9 @@ class HeartbeatConsumer(Service):
     def _on_silence(self, node_id: int) -> None:
         self._lost.add(node_id)
         self._tell(node_id, False)
+
+
+def _consumed(value: int) -> tuple[int, float] | None:
+    """Node id and time in seconds of an entry of 0x1016, if it is in use."""
+    node_id, milliseconds = value >> 16 & 0xFF, value & 0xFFFF
+    return (node_id, milliseconds / 1000) if node_id in NODE_IDS and milliseconds else None

@@ -10,6 +10,8 @@ from simulators.slave import DUMMIES, Slave
 
 LONGEST = 64  # bits of a PDO
 BYTE = 8
+CAN_BE_SENT = frozenset({"ro", "const", "rw", "rwr"})  # access types (CiA 306)
+CAN_BE_RECEIVED = frozenset({"wo", "rw", "rww"})
 
 
 class Mapped(NamedTuple):
@@ -42,7 +44,7 @@ class MappingRules:
         self.slave = slave
         self.index = index
         self._may_change = may_change
-        self._sent = sent  # by this node: what is mapped must be readable, writable otherwise
+        self._sent = sent
 
     @property
     def objects(self) -> Mapping[Address, Object]:
@@ -80,11 +82,11 @@ class MappingRules:
         return range(1, count + 1)
 
     def _check_mappable(self, value: int) -> None:
-        index, bits = value >> 16, value & 0xFF
-        if index in DUMMIES and not self._sent:
+        index, subindex, bits = value >> 16, value >> 8 & 0xFF, value & 0xFF
+        if not self._sent and subindex == 0 and self.slave.dummies.get(index) == bits:
             return
-        entry = self.slave.entry(index, value >> 8 & 0xFF)
+        entry = self.slave.entry(index, subindex)
         fits = entry.size is not None and entry.size * BYTE == bits
-        may = entry.readable if self._sent else entry.writable
+        may = entry.variable.access_type in (CAN_BE_SENT if self._sent else CAN_BE_RECEIVED)
         if not (entry.variable.pdo_mappable and fits and may):
             raise Rejected(f"{value:08X}h cannot be mapped", Abort.NOT_MAPPABLE)

@@ -8,7 +8,7 @@ from simulators.services import cob_id as cob_ids
 from simulators.services.mapping import Mapped, MappingRules, mapped
 from simulators.slave import Slave
 
-COB_ID, TRANSMISSION_TYPE, INHIBIT_TIME, EVENT_TIMER = 1, 2, 3, 5
+COB_ID, TRANSMISSION_TYPE = 1, 2  # sub-indices
 SYNCHRONOUS = range(241)
 PDO_COUNT = 512
 DEFAULT_SYNC = 0x80
@@ -27,8 +27,9 @@ class Pdo(Service):
         self.number = number
         self.record = self.communication + number - 1
         self._rules = MappingRules(slave, self.mapping + number - 1, self._is_off, self.sent)
-        # RPDO: bit 30 is of no use there and stays as the EDS has it
+        # RPDO: bit 30 is of no use there and stays as the EDS has it; strict: it has to be right
         self._fixed = 0 if self.sent else slave.number(self.record, COB_ID) & cob_ids.NO_RTR
+        self._adjust = None if slave.profile.strict_cob_id else self._adjust_cob_id
 
     @classmethod
     def numbers(cls, slave: Slave) -> Iterator[int]:
@@ -44,7 +45,7 @@ class Pdo(Service):
     def objects(self) -> Mapping[Address, Object]:
         """Checks of COB-ID, transmission type and mapping."""
         return {
-            (self.record, COB_ID): Object(write=self._check_cob_id, adjust=self._adjust_cob_id),
+            (self.record, COB_ID): Object(write=self._check_cob_id, adjust=self._adjust),
             (self.record, TRANSMISSION_TYPE): Object(write=self._check_type),
             **self._rules.objects,
         }
@@ -78,14 +79,9 @@ class Pdo(Service):
 
     def _check_cob_id(self, value: int) -> None:
         before = self.slave.number(self.record, COB_ID)
-        changed = (before ^ value) & ~cob_ids.INVALID
-        valid, stays_valid = not before & cob_ids.INVALID, not value & cob_ids.INVALID
-        if valid and changed and (stays_valid or self.slave.profile.strict_cob_id):
-            raise Rejected("bit 31 has to be set before the identifier changes")
-        if stays_valid:
-            cob_ids.check(value)
-        elif value & cob_ids.RESERVED:
-            raise Rejected(f"{value:08X}h: identifiers have 11 bits")
+        if self._fixed & ~value:
+            raise Rejected("bit 30 of this RPDO is always 1")
+        cob_ids.check_change(before, value, strict=self.slave.profile.strict_cob_id)
 
     def _check_type(self, value: int) -> None:
         if value not in self.types:

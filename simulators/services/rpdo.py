@@ -31,13 +31,15 @@ class Rpdo(Pdo):
     def listen(self) -> Listening:
         """Its own frames, and SYNC if they wait for it."""
         self._slices, self._length = [], 0
+        self._waits_for_sync = self.transmission_type in SYNCHRONOUS
+        if self.cob_id is None or not self._waits_for_sync:
+            self._latched = None
         if self.cob_id is None:
             return
         for entry, size in self.parts():
             if entry is not None:
                 self._slices.append((entry, slice(self._length, self._length + size)))
             self._length += size
-        self._waits_for_sync = self.transmission_type in SYNCHRONOUS
         yield (self.cob_id, False), self.on_data
         if self._waits_for_sync:
             yield (self.sync_id, False), self.on_sync

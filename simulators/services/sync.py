@@ -22,5 +22,4 @@ class Sync(Service):
             raise Rejected("this node does not produce SYNC")
         if value & cob_ids.INVALID:
             raise Rejected(f"{value:08X}h: bit 31 is always 0")
-        if value != cob_ids.SYNC:
-            cob_ids.check(value)
+        cob_ids.check(value)

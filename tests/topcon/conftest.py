@@ -1,12 +1,32 @@
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import pytest
 import yaml
 
+from simulators import Bench
 from simulators.devices.topcon.model import OutputStage, UnitType, parse_load, unit_types
 from simulators.resources import od_file
+
+
+@pytest.fixture
+def topcon() -> Bench:
+    """A TopCon with power on and nothing connected, node id 5; its boot-up message is out."""
+    return Bench("topcon", node_id=5)
+
+
+@pytest.fixture
+def unit_file(units, tmp_path) -> Callable[..., str]:
+    """A file with one unit type "MINE": the shipped TCP-32-400 with other figures."""
+
+    def unit_file(**figures) -> str:
+        mine = {**asdict(units["TCP-32-400"]), "name": "MINE", **figures}
+        path = tmp_path / "units.yaml"
+        path.write_text(yaml.safe_dump({"version": 1, "types": [mine]}))
+        return str(path)
+
+    return unit_file
 
 
 @pytest.fixture(scope="session")

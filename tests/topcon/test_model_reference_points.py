@@ -39,8 +39,9 @@ def readings(stage):
 
 
 @pytest.mark.spec("T-180", "T-181", "T-182", "T-183", "A-52")
-@pytest.mark.parametrize(("unit", "parts", "load", "expected", "mode"), POINTS)
-def test_a_settled_output_reads_as_tabulated(running, unit, parts, load, expected, mode):
+@pytest.mark.parametrize("point", POINTS)
+def test_a_settled_output_reads_as_tabulated(running, point):
+    unit, parts, load, expected, mode = point
     stage = running(unit, load, parts)
     voltage, current, power = readings(stage)
     assert voltage == pytest.approx(expected[0], abs=2)
@@ -172,3 +173,4 @@ def test_a_unit_with_the_q4_option_takes_current_in(running, volts, current):
     assert stage.current == pytest.approx(current, abs=0.2)
     assert stage.mode is CV
     assert stage.power < 0
+    assert stage.loss >= stage.unit.idle_power  # taking in costs as giving out does

@@ -44,6 +44,12 @@ class Device(device.Device):
         self.profile = card.profile(self.settings)
         self.power_on()
 
+    def check(self) -> None:
+        """What the settings are together, the unit type and the load among them."""
+        card.check(self.settings)
+        super().check()
+        unit_types.output_stage(self.settings)
+
     @property
     def node_id(self) -> int:
         """The module id of the switches, as they stood at power-on (4.2)."""
@@ -101,6 +107,7 @@ class Device(device.Device):
             "heat sink [degC]": round(stage.temperature, 2),
             "errors": [f"{error:#05x}" for error in stage.errors],
             "control": "panel" if self.panel.local else "bus",
+            "RS-232 of the card": "available" if self.panel.rs232_available else "closed",
         }
 
     def dictionary(self) -> ObjectDictionary:
@@ -117,21 +124,24 @@ class Device(device.Device):
         self._bit_rate = card.bit_rate(settings.br)
         self.stage = unit_types.output_stage(settings)
         self.scale = Scale(self.stage.unit)
-        self.registers = Registers(settings.firmware)
+        self._register_values: dict[int, int] = {}
         self._start_card()
+
+    def power_off(self) -> None:
+        """The output goes with the supply; nothing is simulated until the next power-on (A-76)."""
+        self.stage.stop()
 
     def reset_node(self) -> None:
         """The card starts anew and stops the output; errors of the unit stay (A-58, A-60)."""
         self.stage.stop()
-        self.registers.address = 0
         self._start_card()
 
     def _start_card(self) -> None:
-        self.panel = Panel(self.settings.quiet_time)
+        settings = self.settings
+        self.panel = Panel(settings.quiet_time, refuses=settings.local_write == "abort")
+        self.registers = Registers(settings.firmware, self._register_values, self.panel)
         self.card_errors = CardErrors()
-        self.control = Control(
-            self.stage, self.scale, self.panel, self.card_errors.reset, self.settings
-        )
+        self.control = Control(self.stage, self.scale, self.panel, self.card_errors.reset, settings)
         self.control.power_on_values()
 
     def on_state(self, state: State) -> None:
@@ -147,10 +157,15 @@ class Device(device.Device):
         if refusal.code in PARAMETER_REFUSALS:
             self.card_errors.add(PROTOCOL_ERROR.code)
 
+    def set(self, **given: object) -> None:
+        """Change what may change while the unit runs; the panel turns when it is named here."""
+        super().set(**given)
+        if "panel" in given:
+            self.panel.want(self.settings.panel == "local")
+
     def apply(self) -> None:
-        """Load, ambient temperature and panel follow at once, switches at power-on."""
+        """Load and ambient temperature follow at once, switches at power-on."""
         unit_types.surround(self.stage, self.settings)
-        self.panel.want(self.settings.panel == "local")
 
     def step(self, dt: float) -> None:
         """Let time pass in the unit."""

@@ -1,6 +1,5 @@
 """What the master commands: set values, trip levels and the run command (7.3.5-9, 7.3.14-15)."""
 
-import logging
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
@@ -10,8 +9,6 @@ from simulators.devices.topcon.scale import Quantity, Scale
 from simulators.devices.topcon.settings import Settings
 from simulators.objects import Abort, Address, Object, Rejected
 from simulators.services import State
-
-log = logging.getLogger(__name__)
 
 STOP, RUN, RESET = range(3)  # Tab. 55
 MANUAL_START_IN_ERROR = 0x7A  # Tab. 75
@@ -79,24 +76,11 @@ class Control:
         self._state = state
         self._panel.on_state(state)
 
-    def obeys(self, what: str) -> bool:
-        """Whether a setting acts; from the panel's local state on it does not (6, A-08).
-
-        Raises:
-            Rejected: the settings want it refused.
-        """
-        if not self._panel.local:
-            return True
-        if self._settings.local_write == "abort":
-            raise Rejected("the panel is in control", Abort.LOCAL_CONTROL)
-        log.warning("%s is ignored: the panel is in control", what)
-        return False
-
     def _object(self, value: SetValue) -> Object:
         stage, name, quantity = self._stage, value.name, value.quantity
 
         def write(parts: int) -> None:
-            if self.obeys(name.replace("_", " ")):
+            if self._panel.yields(name.replace("_", " ")):
                 setattr(stage, name, quantity.value(parts))
 
         return Object(read=lambda: quantity.parts(getattr(stage, name)), write=write)
@@ -104,7 +88,7 @@ class Control:
     def _command(self, command: int) -> None:
         if command not in self._commands:
             raise Rejected(f"no command {command}: 0 stops, 1 runs, 2 resets")
-        if self.obeys(f"command {command}"):
+        if self._panel.yields(f"command {command}"):
             self._commands[command]()
             self.last_command = command
 

@@ -1,13 +1,19 @@
 """Who is in control, the panel (HMI or RCU, chapter 6) or the bus; and RS-232 (chapter 5)."""
 
+import logging
+
+from simulators.objects import Abort, Rejected
 from simulators.services import State
+
+log = logging.getLogger(__name__)
 
 
 class Panel:
     """The panel may go local while the node is not operational; Operational takes control back."""
 
-    def __init__(self, quiet_time: float) -> None:
+    def __init__(self, quiet_time: float, refuses: bool) -> None:
         self.local = False  # 6: remote after power-on
+        self._refuses = refuses
         self._state = State.INITIALISING
         self._quiet_time = quiet_time
         self._quiet = 0.0
@@ -25,6 +31,19 @@ class Panel:
     def want(self, local: bool) -> None:
         """The operator turns the key; without effect where the panel cannot go local."""
         self.local = local and self.may_go_local
+
+    def yields(self, what: str) -> bool:
+        """Whether a setting from the bus acts: while the panel is local it does not (6, A-08).
+
+        Raises:
+            Rejected: the settings want it refused, not ignored.
+        """
+        if not self.local:
+            return True
+        if self._refuses:
+            raise Rejected("the panel is in control", Abort.LOCAL_CONTROL)
+        log.warning("%s is ignored: the panel is in control", what)
+        return False
 
     def on_state(self, state: State) -> None:
         """Operational means remote control."""

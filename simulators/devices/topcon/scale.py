@@ -7,7 +7,7 @@ from simulators.devices.topcon.model import UnitType
 from simulators.objects import Address, Object
 
 FULL_SCALE = 4000  # parts that make up a nominal value
-SIGNED16 = 0x7FFF
+LOWEST, HIGHEST = -0x8000, 0x7FFF  # of signed 16 bit
 
 
 class Quantity(NamedTuple):
@@ -19,7 +19,9 @@ class Quantity(NamedTuple):
         """As it goes over the wire: rounded half away from zero, clipped to signed 16 bit."""
         parts = FULL_SCALE * value / self.nominal
         rounded = int(parts + 0.5) if parts >= 0 else -int(0.5 - parts)
-        return max(-SIGNED16 - 1, min(SIGNED16, rounded))
+        if LOWEST <= rounded <= HIGHEST:
+            return rounded
+        return HIGHEST if rounded > 0 else LOWEST
 
     def value(self, parts: int) -> float:
         """As the model has it."""

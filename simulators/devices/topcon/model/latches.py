@@ -23,9 +23,9 @@ class Latches:
         """Whether something may become an error within its delay."""
         return self._watch.pending
 
-    def step(self, plant: Plant, ticks: int) -> None:
-        """Latch what a plant in this state leads to within `ticks`."""
-        self._watch.step(plant, ticks)
+    def step(self, plant: Plant) -> None:
+        """Latch what has lasted long enough, at the end of a tick."""
+        self._watch.step(plant)
         for error in self._watch.errors:
             self.latch(error)
         self.warning = self.warning or _warns(plant)

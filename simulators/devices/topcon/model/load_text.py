@@ -30,31 +30,34 @@ def parse_load(text: str) -> Load:
         hint = did_you_mean(word, LOADS)
         raise ValueError(f"no load is called {word!r}{hint}: {', '.join(LOADS)}")
     kind = LOADS[word]
-    values = {part.name: _take(part, rest, _usage(kind)) for part in fields(kind)}
-    if rest:
-        raise ValueError(f"load {word!r}: {' '.join(rest)!r} is too much: {_usage(kind)}")
-    return kind(**{name: value for name, value in values.items() if value is not MISSING})
+    try:
+        values = {part.name: _take(part, rest) for part in fields(kind)}
+        if rest:
+            raise ValueError(f"{' '.join(rest)!r} is too much")
+    except ValueError as refusal:
+        raise ValueError(f"load {text!r}: {refusal}, write {_usage(kind)!r}") from None
+    return kind(**values)
 
 
-def _take(part: "Field[Any]", rest: list[str], usage: str) -> Any:
-    """Remove a value from the front of the words, or leave the default."""
+def _take(part: "Field[Any]", rest: list[str]) -> Any:
+    """Remove a value from the front of the words; where none is, the default."""
     if part.type is bool:
         given = rest[:1] == [part.name]
         del rest[: int(given)]
         return given
     if not rest and part.default is not MISSING:
-        return MISSING
+        return part.default
     try:
         value = float(rest.pop(0))
     except (IndexError, ValueError):
-        raise ValueError(f"load: {part.name} is not a number: {usage}") from None
+        raise ValueError(f"{part.name} is not a number") from None
     if rest and rest[0] == part.metadata["unit"]:
         del rest[0]
     return value
 
 
 def _usage(kind: type[Load]) -> str:
-    return f"write {' '.join([kind.word, *(_slot(part) for part in fields(kind))])!r}"
+    return " ".join([kind.word, *(_slot(part) for part in fields(kind))])
 
 
 def _slot(part: "Field[Any]") -> str:

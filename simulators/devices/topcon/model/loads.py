@@ -8,8 +8,8 @@ from typing import ClassVar
 SHORT = 0.002  # ohm, assumed
 KNEE = 1.0  # V under which a sink can no longer hold its current, assumed
 NO_LIMIT = float("inf")
-OHM, VOLT, AMPERE, WATT, HENRY = ({"unit": unit} for unit in ("ohm", "V", "A", "W", "H"))
-ABOVE_ZERO = ("ohm", "H")  # the rest may be 0: a sink of 0 A takes nothing
+OHM, HENRY, CUT_OFF = ({"unit": unit, "may_be_zero": False} for unit in ("ohm", "H", "V"))
+VOLT, AMPERE, WATT = ({"unit": unit, "may_be_zero": True} for unit in ("V", "A", "W"))
 
 Line = tuple[float, float, float, float]
 """Conductance, offset, lowest and highest: i(u) = conductance * u + offset, held between the two.
@@ -25,11 +25,11 @@ class Load(ABC):
     word: ClassVar[str]
 
     def __post_init__(self) -> None:
-        for quantity in fields(self):
-            value, unit = getattr(self, quantity.name), quantity.metadata.get("unit")
-            if unit and not (isfinite(value) and value >= 0 and (value or unit not in ABOVE_ZERO)):
-                least = "above 0" if unit in ABOVE_ZERO else "0 or more"
-                raise ValueError(f"load {self.word!r}: {quantity.name} must be {least} {unit}")
+        for quantity in (part for part in fields(self) if part.metadata):
+            value, may_be_zero = getattr(self, quantity.name), quantity.metadata["may_be_zero"]
+            if not (isfinite(value) and (value > 0 or (value == 0 and may_be_zero))):
+                least = "0 or more" if may_be_zero else "above 0"
+                raise ValueError(f"load {self.word!r}: {quantity.name} must be {least}")
 
     @abstractmethod
     def line(self, voltage: float, current: float, dt: float) -> Line:
@@ -117,7 +117,7 @@ class PowerSink(Load):
 
     word: ClassVar[str] = "power"
     watts: float = field(metadata=WATT)
-    minimum: float = field(default=60.0, metadata=VOLT)  # assumed
+    minimum: float = field(default=60.0, metadata=CUT_OFF)  # assumed
 
     def line(self, voltage: float, current: float, dt: float) -> Line:
         """watts / u above the minimum, `amps` of a current sink below."""

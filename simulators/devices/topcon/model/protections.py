@@ -9,7 +9,7 @@ from simulators.devices.topcon.model.plant import Plant
 from simulators.devices.topcon.model.unit import UnitType
 from simulators.devices.topcon.model.watch import Condition, Protection
 
-HAIR = 1 + 1e-9  # a regulated value equals its level but for the last bit
+HAIR = 1e-9  # of full scale: a regulated value is at its level but for the last bit
 DERATED_MARGIN = 1.05  # over the derated maximum (assumed)
 DERATED_DELAY = 0.01  # s (assumed)
 SENSE_MARGIN = 0.05  # of the nominal voltage (assumed)
@@ -18,12 +18,14 @@ SLAVE_DELAY = 0.1  # s (assumed)
 
 def above_voltage_level(plant: Plant) -> bool:
     """Strictly (7.3.14, A-54)."""
-    return plant.circuit.voltage > plant.overvoltage_level * HAIR
+    hair = HAIR * plant.unit.nominal_voltage
+    return plant.circuit.voltage > plant.overvoltage_level + hair
 
 
 def above_current_level(plant: Plant) -> bool:
     """Strictly (7.3.15, A-55); with the output off it is not the unit that drives the current."""
-    return plant.running and plant.circuit.current > plant.overcurrent_level * HAIR
+    hair = HAIR * plant.unit.maximum_current
+    return plant.running and plant.circuit.current > plant.overcurrent_level + hair
 
 
 def above_derated_current(plant: Plant) -> bool:

@@ -62,7 +62,7 @@ def _node(
     held, mode = by_voltage, Mode.VOLTAGE
     if by_current < by_voltage:
         held, mode = by_current, Mode.CURRENT
-    if held > 0.0 and (slope * (held - voltage) + load) * held > law.power:
+    if (slope * (held - voltage) + load) * held > law.power:
         held, mode = _by_power(law.power, voltage, slope, load), Mode.POWER
     idle = voltage - (load + bleeder * voltage + law.sink) / (slope + bleeder)
     return max(held, idle), mode

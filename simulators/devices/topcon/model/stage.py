@@ -96,26 +96,29 @@ class OutputStage(Plant):
         while (due := int(self._owed + 1e-6)) > 0:
             rest = self.rest
             ticks = max(1, ceil(min(rest / self.tick, due) - 1e-6))
+            self._owed -= ticks
             if rest and pace.settled(self):
                 self.coast(ticks)
+                self._ahead = rest - ticks * self.tick
+                if self._ahead > 1e-6 * self.tick:
+                    continue  # what is watched cannot have changed before that time is over
             else:
                 self.flow(ticks)
-            self._supervise(ticks)
+            self._supervise()
             self.mains_before = self.mains
             self._look_ahead()
-            self._owed -= ticks
 
     def _look_ahead(self) -> None:
         ahead = 0.0 if self._latches.pending else pace.ahead(self)
         self._ahead = min(ahead, self._boot_left or inf)
         self._calm = inputs_of(self) if ahead else None
 
-    def _supervise(self, ticks: int) -> None:
+    def _supervise(self) -> None:
         if self.state is State.POWERUP:
             if not self._boot_left:
                 self._fire(Event.BOOTED)
             return
-        self._latches.step(self, ticks)
+        self._latches.step(self)
         self._follow_latches()
 
     @property
@@ -129,7 +132,8 @@ class OutputStage(Plant):
             self._fire(Event.WARN)
 
     def _fire(self, event: Event) -> None:
-        before, self.state = self.state, TRANSITIONS[self.state].get(event, self.state)
-        if self.state is not before:
+        was_running = self.running
+        self.state = TRANSITIONS[self.state].get(event, self.state)
+        if self.running is not was_running:
             self.circuit.disturb()
             self._calm = None

@@ -22,8 +22,9 @@ def mains_high(plant: Plant) -> bool:
 
 
 def mains_jumped(plant: Plant) -> bool:
-    """Up or down."""
-    return abs(plant.mains - plant.mains_before) > TRANSIENT * plant.mains_before
+    """Up or down; what was there before power-on is no jump."""
+    jump = abs(plant.mains - plant.mains_before)
+    return plant.ticks > 1 and jump > TRANSIENT * plant.mains_before
 
 
 def mains_near_a_limit(plant: Plant) -> bool:

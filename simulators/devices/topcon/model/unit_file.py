@@ -10,7 +10,11 @@ from simulators.devices.topcon.model.unit import UnitType
 FIELDS: dict[str, "Field[Any]"] = {field.name: field for field in fields(UnitType)}
 REQUIRED = [field.name for field in fields(UnitType) if field.default is MISSING]
 VERSION = 1
-KINDS = {str: (str,), float: (int, float), bool: (bool,)}
+KINDS: dict[Any, tuple[tuple[type, ...], str]] = {
+    str: ((str,), "text"),
+    float: ((int, float), "a number"),
+    bool: ((bool,), "true or false"),
+}
 
 
 def unit_types(data: Mapping[str, Any]) -> dict[str, UnitType]:
@@ -57,8 +61,6 @@ def _refuse_unknown(entry: Mapping[str, Any], known: Any, where: str) -> None:
 
 
 def _check_kind(name: str, value: Any, where: str) -> None:
-    kind = FIELDS[name].type
-    right = isinstance(value, KINDS[kind]) and (kind is bool or not isinstance(value, bool))  # type: ignore[index]
-    if not right:  # YAML reads 5e-4 as text; 5.0e-4 and 0.0005 are numbers
-        expected = {str: "text", float: "a number", bool: "true or false"}[kind]  # type: ignore[index]
+    kinds, expected = KINDS[FIELDS[name].type]
+    if type(value) not in kinds:  # YAML reads 5e-4 as text; 5.0e-4 and 0.0005 are numbers
         raise ValueError(f"{where}: {name} must be {expected}, not {value!r}")

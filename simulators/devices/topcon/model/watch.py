@@ -26,10 +26,10 @@ class Watch:
         self._enough = [max(1, ceil(row.delay / tick - 1e-9)) for row in self._protections]
         self._lasted: dict[int, int] = {}  # ticks, by place in the table
 
-    def step(self, plant: Plant, ticks: int) -> None:
-        """`ticks` that all look as the plant does now."""
+    def step(self, plant: Plant) -> None:
+        """Look at the plant, at the end of a tick."""
         self._lasted = {
-            place: self._lasted.get(place, 0) + ticks
+            place: self._lasted.get(place, 0) + 1
             for place, row in enumerate(self._protections)
             if row.condition(plant) and row.armed(plant)
         }

@@ -1,0 +1,149 @@
+"""Which benchmark is compared with which, and what is aimed at."""
+
+from typing import NamedTuple
+
+
+class Goal(NamedTuple):
+    """What a figure should reach: a ratio to its peer, a time in seconds, or both."""
+
+    ratio: float | None = None
+    time: float | None = None
+
+
+class Figure(NamedTuple):
+    """One line of the report; `twin` and `peer` are names of benchmarks."""
+
+    what: str
+    twin: str
+    against: str
+    peer: str | float
+    """A number is the time in seconds that the same takes in real time."""
+    goal: Goal = Goal()
+
+
+UPLOAD = "an SDO upload request"
+FRAME = "test_frame_localnode[upload]"
+LOCAL_NODE = "`LocalNode` on `virtual`"
+
+NOTES = {
+    "A master and a twin": (
+        "On `virtual` three threads of one interpreter take turns at every request: the master's,"
+        " its receiver's, and that of the node. The bench has one."
+    ),
+    "One frame in a node": (
+        "After every frame the twin asks its model for errors and whether it is still at rest, and"
+        " an upload asks it for the value; `LocalNode` has neither to ask, and its bus is one that"
+        " swallows messages."
+    ),
+    "Simulated time": (
+        "Whatever does not move costs nothing: the model of a settled output sleeps until somebody"
+        " acts or its heat reaches a level. An output that moves is computed every millisecond."
+    ),
+    "Start": (
+        "The first twin of a process pays for the import of its device and for reading EDS, message"
+        " table and unit types; every later one takes them from memory. `LocalNode` is measured"
+        " without the second that its two networks take to shut down."
+    ),
+}
+
+SECTIONS = {
+    "A master and a twin": [
+        Figure(
+            f"SDO upload of {what}, {where}",
+            f"test_upload_{place}[{name}]",
+            LOCAL_NODE,
+            f"test_upload_localnode_virtual[{name}]",
+            goal,
+        )
+        for place, where, goal in (
+            ("bench", "in the bench", Goal(ratio=2.5)),
+            ("served_virtual", "served on `virtual`", Goal(ratio=1.0)),
+        )
+        for name, what in (("memory", "a value in memory"), ("measured", "a measured value"))
+    ],
+    "One frame in a node": [
+        Figure(
+            "frame that nobody wants",
+            "test_frame_twin[foreign]",
+            "the same",
+            "test_frame_localnode[foreign]",
+        ),
+        Figure("SDO upload request", "test_frame_twin[upload]", "the same", FRAME),
+        Figure(
+            "SDO download request",
+            "test_frame_twin[download]",
+            "the same",
+            "test_frame_localnode[download]",
+        ),
+        Figure("RPDO with one value", "test_frame_twin[rpdo]", UPLOAD, FRAME),
+        Figure("remote request, TPDO as of the last SYNC", "test_frame_twin[rtr]", UPLOAD, FRAME),
+        Figure("SYNC, TPDO of type 1 with four values", "test_frame_twin[sync]", UPLOAD, FRAME),
+    ],
+    "Simulated time": [
+        Figure(
+            "an hour of a settled output, heartbeat 1 s",
+            "test_settled_hour",
+            "real time",
+            3600.0,
+            Goal(time=1.0),
+        ),
+        Figure(
+            "10 s of a settled output, SDO upload every 10 ms",
+            "test_questions",
+            "real time",
+            10.0,
+        ),
+        Figure(
+            "10 s, new set value every 100 ms, resistor",
+            "test_set_values[resistor 4]",
+            "real time",
+            10.0,
+        ),
+        Figure(
+            "10 s, new set value every 100 ms, inductor",
+            "test_set_values[inductor 4 0.1]",
+            "real time",
+            10.0,
+        ),
+        Figure(
+            "10 s, RPDO, SYNC and TPDO every 10 ms, inductor",
+            "test_control_loop",
+            "real time",
+            10.0,
+        ),
+    ],
+    "Start": [
+        Figure(
+            "twin made and read, every one but the first",
+            "test_later_twin",
+            LOCAL_NODE,
+            "test_later_localnode",
+            Goal(time=0.020),
+        ),
+        Figure(
+            "the first of a process that has imported canopen",
+            "test_fresh[first-twin]",
+            LOCAL_NODE,
+            "test_fresh[first-localnode]",
+            Goal(time=0.020),
+        ),
+        Figure(
+            "`from simulators import Bench`",
+            "test_fresh[import-bench]",
+            "`import canopen`",
+            "test_fresh[import-canopen]",
+        ),
+        Figure(
+            "`import simulators`",
+            "test_fresh[import-simulators]",
+            "`import canopen`",
+            "test_fresh[import-canopen]",
+        ),
+        Figure(
+            "the pytest plugin, in a run that does not use it",
+            "test_fresh[import-plugin]",
+            "`import canopen`",
+            "test_fresh[import-canopen]",
+        ),
+    ],
+}

@@ -1,0 +1,1 @@
+"""The commands of canopen-twin: each takes the parsed options and returns an exit code."""

@@ -1,0 +1,96 @@
+"""What there is: devices, their objects, settings, faults and EDS files."""
+
+import argparse
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import fields
+from typing import Any
+
+from canopen.objectdictionary import ODVariable, datatypes
+
+from simulators import devices
+from simulators.device import Device
+from simulators.resources import od_file, scenarios
+from simulators.settings import about
+
+TYPES = {
+    number: name
+    for name, number in vars(datatypes).items()
+    if isinstance(number, int) and name.isupper()
+}
+
+
+def list_all(options: argparse.Namespace) -> int:
+    """The devices and the scenarios."""
+    _table((name, devices.find(name).title) for name in devices.names())
+    print()
+    _table((name,) for name in scenarios())
+    return 0
+
+
+def objects(options: argparse.Namespace) -> int:
+    """Every entry of the object dictionary; defaults that depend on the node id are those of 1."""
+    device = devices.create(options.device)
+    _table([("object", "name", "type", "access", "default", "limits"), *_entries(device)])
+    return 0
+
+
+def settings(options: argparse.Namespace) -> int:
+    """Every setting with its default; A-numbers are explained in the device's page of the docs."""
+    rows = [("setting", "default", "assumed", "meaning")]
+    for entry in fields(devices.find(options.device).settings_type):
+        told = about(entry)
+        unit = f" [{told.unit}]" if told.unit else ""
+        within = f", {told.range}" if told.range else ""
+        live = "; may change while running" if told.live else ""
+        default = entry.default if isinstance(entry.default, str) else str(entry.default).lower()
+        rows.append((entry.name, default, told.assumed, f"{told.text}{unit}{within}{live}"))
+    _table(rows)
+    return 0
+
+
+def faults(options: argparse.Namespace) -> int:
+    """Every fault with its parameters."""
+    for name, fault in devices.create(options.device).faults.items():
+        print(f"{name}\n    {fault.text}")
+        for parameter, told in fault.parameters.items():
+            default = "" if told.default is None else f" (default: {told.default})"
+            print(f"    {parameter}: {told.text}{default}")
+    return 0
+
+
+def eds(options: argparse.Namespace) -> int:
+    """The EDS as it is shipped: for the tools of the master."""
+    with od_file(devices.find(options.device).eds) as path:
+        print(path.read_text("ascii"), end="")
+    return 0
+
+
+def _entries(device: Device) -> Iterator[tuple[str, ...]]:
+    for item in device.dictionary().values():
+        if item.index < 0x1000:
+            continue
+        variables = [item] if isinstance(item, ODVariable) else item.subindices.values()
+        for variable in variables:
+            yield _entry(variable)
+
+
+def _entry(variable: Any) -> tuple[str, ...]:
+    ends = ["" if end is None else str(end) for end in (variable.min, variable.max)]
+    default = "" if variable.default is None else variable.default
+    return (
+        f"0x{variable.index:04X}:{variable.subindex:02X}",
+        variable.qualname,
+        TYPES.get(variable.data_type, "?"),
+        variable.access_type,
+        f"0x{default:X}" if isinstance(default, int) and default > 9 else str(default),
+        "..".join(ends) if any(ends) else "",
+    )
+
+
+def _table(rows: Iterable[Sequence[str]]) -> None:
+    """Columns as wide as they have to be."""
+    lines = list(rows)
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    for line in lines:
+        cells = (cell.ljust(width) for cell, width in zip(line, widths, strict=True))
+        print("  ".join(cells).rstrip())

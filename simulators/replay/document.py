@@ -1,0 +1,185 @@
+"""A file as values that know their place in it, and say what is wrong with them."""
+
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from math import isfinite
+from pathlib import Path
+from typing import NamedTuple
+
+import yaml
+
+from simulators.errors import UserError, unknown
+from simulators.replay.problems import Mistake, Noted, Problems
+from simulators.replay.yaml_nodes import Scalar, compose, read_text, scalar
+
+LONGEST_TIME = 86_400  # seconds: a day
+
+
+class Pair(NamedTuple):
+    """A key and its value."""
+
+    key: "Item"
+    value: "Item"
+
+    def place(self, known: Collection[str]) -> "Item":
+        """What is to blame: the key if it is unknown, otherwise the value."""
+        return self.value if self.key.text in known else self.key
+
+
+class Item:
+    """One value of the file. What it is asked for and is not, it raises as a `Mistake`."""
+
+    def __init__(self, node: yaml.Node, problems: Problems) -> None:
+        self.node = node
+        self.mark = node.start_mark
+        self.problems = problems
+
+    def wrong(self, text: str) -> Mistake:
+        """A mistake at this place."""
+        return Mistake(self.mark, text)
+
+    @contextmanager
+    def blamed(self) -> Iterator[None]:
+        """What goes wrong inside and knows no place is a mistake at this one."""
+        try:
+            yield
+        except (Mistake, Noted):
+            raise
+        except UserError as refusal:
+            raise self.wrong(str(refusal)) from refusal
+
+    @property
+    def line(self) -> int:
+        """Where it begins, from 1."""
+        return self.mark.line + 1
+
+    @property
+    def is_mapping(self) -> bool:
+        """Whether it has keys."""
+        return isinstance(self.node, yaml.MappingNode)
+
+    @property
+    def text(self) -> str:
+        """One value as it stands in the file."""
+        return str(self._scalar.value)
+
+    @property
+    def value(self) -> Scalar:
+        """One value as what it looks like."""
+        return scalar(self._scalar)
+
+    @property
+    def number(self) -> int | float:
+        """One number."""
+        value = self.value
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not isfinite(value):
+            raise self.wrong(f"{self.text!r} is no number; numbers look like 16, 0x10 or 0.5")
+        return value
+
+    @property
+    def whole(self) -> int:
+        """One whole number."""
+        if not isinstance(value := self.number, int):
+            raise self.wrong(f"{self.text} is no whole number, such as 16 or 0x10")
+        return value
+
+    @property
+    def seconds(self) -> float:
+        """A time."""
+        if not 0 <= self.number <= LONGEST_TIME:
+            raise self.wrong(f"{self.text} s is not in 0..{LONGEST_TIME} s")
+        return float(self.number)
+
+    def whole_up_to(self, highest: int) -> int:
+        """One whole number out of a range that begins with 0."""
+        if not 0 <= self.whole <= highest:
+            raise self.wrong(f"{self.text} is not in 0..{highest:#x}")
+        return self.whole
+
+    @property
+    def items(self) -> list["Item"]:
+        """The values of a list."""
+        if not isinstance(self.node, yaml.SequenceNode):
+            raise self.wrong("a list is wanted here, each value after a dash")
+        return [Item(node, self.problems) for node in self.node.value]
+
+    @property
+    def pairs(self) -> Mapping[str, Pair]:
+        """Keys as they stand in the file, with their values."""
+        if not isinstance(self.node, yaml.MappingNode):
+            raise self.wrong("a key with a value is wanted here, such as {key: value}")
+        pairs: dict[str, Pair] = {}
+        for nodes in self.node.value:
+            pair = Pair(*(Item(node, self.problems) for node in nodes))
+            with self.problems.at(pair.key):
+                first = pairs.setdefault(pair.key.text, pair)
+                if first is not pair:
+                    again = f"{pair.key.text!r} stands here twice, first in line {first.key.line}"
+                    raise pair.key.wrong(f"{again}; leave one of them out")
+        return pairs
+
+    @property
+    def some_pairs(self) -> Mapping[str, Pair]:
+        """The same, where nothing at all would say nothing."""
+        if not (pairs := self.pairs):
+            raise self.wrong("empty; at least one key with a value is wanted here")
+        return pairs
+
+    def fields(self, required: Collection[str], optional: Iterable[str] = ()) -> dict[str, "Item"]:
+        """The values of known keys.
+
+        Whatever else stands here is noted as a problem, and so is what is missing.
+        """
+        pairs: Mapping[str, Pair] = {}
+        known = (*required, *optional)
+        with self.problems.at(self):
+            pairs = self.pairs
+            for key in required:
+                if key not in pairs:
+                    self.problems.add(self.mark, f"{key!r} is missing")
+        for key, pair in pairs.items():
+            if key not in known:
+                self.problems.add(pair.key.mark, str(unknown("key", key, known)))
+        return {key: pair.value for key, pair in pairs.items() if key in known}
+
+    def choice(self, what: str, fields: Collection[str], kinds: Iterable[str]) -> str:
+        """The one key of several kinds that is among known fields.
+
+        Raises:
+            UserError: there is none, or more than one.
+        """
+        chosen = [kind for kind in kinds if kind in fields]
+        if len(chosen) == 1:
+            return chosen[0]
+        if not chosen and len(fields) < len(self.pairs):
+            raise Noted  # as an unknown key, which may have been meant
+        told = f"{' and '.join(chosen)} at once" if chosen else f"nothing to {what}"
+        raise self.wrong(f"{told}: a step has one of {', '.join(kinds)}")
+
+    def one_of(self, what: str, known: Collection[str]) -> str:
+        """One word out of several."""
+        with self.blamed():
+            if self.text not in known:
+                raise unknown(what, self.text, known)
+        return self.text
+
+    @property
+    def _scalar(self) -> yaml.ScalarNode:
+        if not isinstance(self.node, yaml.ScalarNode):
+            raise self.wrong("one value is wanted here, not several")
+        return self.node
+
+
+def read(path: Path, problems: Problems) -> Item:
+    """The outermost value of a file.
+
+    Raises:
+        ScenarioError: it cannot be read, is too large, or is no YAML.
+    """
+    text = read_text(path)
+    try:
+        return Item(compose(text), problems)
+    except Mistake as mistake:
+        problems.add(mistake.mark, str(mistake))
+        problems.settle()
+        raise

@@ -1,0 +1,153 @@
+"""What a step can do: a verb is a function that reads it, its action, and an entry in VERBS."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from simulators.node import Node
+from simulators.replay.document import Item
+from simulators.replay.rehearsal import Rehearsal
+from simulators.replay.scenario import Action, Stage
+from simulators.replay.verb_expect import parse_expect
+from simulators.replay.verb_write import parse_write
+from simulators.wire import Frame
+
+COMMANDS: Mapping[str, int] = {
+    "start": 0x01,
+    "stop": 0x02,
+    "pre-operational": 0x80,
+    "reset-node": 0x81,
+    "reset-communication": 0x82,
+}
+SWITCHES: Mapping[str, Callable[[Node], None]] = {"on": Node.power_on, "off": Node.power_off}
+ALL_FAULTS = "all"
+
+
+@dataclass(frozen=True)
+class Set(Action):
+    """Changes live settings, such as the load, as an operator or the plant would."""
+
+    settings: Mapping[str, Any]
+
+    def carry_out(self, stage: Stage) -> None:
+        """All of them at once."""
+        with stage.node.acting() as device:
+            device.set(**self.settings)
+
+
+@dataclass(frozen=True)
+class Send(Action):
+    """Any frame, such as a SYNC."""
+
+    frame: Frame
+
+    def carry_out(self, stage: Stage) -> None:
+        """As a master."""
+        stage.master.send(self.frame)
+
+
+@dataclass(frozen=True)
+class Nmt(Action):
+    """A command of the NMT master to the node."""
+
+    command: int
+
+    def carry_out(self, stage: Stage) -> None:
+        """To the node id it has by now."""
+        stage.master.send(Frame(0x000, bytes([self.command, stage.node.node_id])))
+
+
+@dataclass(frozen=True)
+class Power(Action):
+    """Switches the supply of the node."""
+
+    switch: Callable[[Node], None]
+
+    def carry_out(self, stage: Stage) -> None:
+        """On or off; without effect if it is so already."""
+        self.switch(stage.node)
+
+
+@dataclass(frozen=True)
+class Inject(Action):
+    """Something goes wrong."""
+
+    faults: Mapping[str, Mapping[str, Any]]
+
+    def carry_out(self, stage: Stage) -> None:
+        """In the order of the file."""
+        with stage.node.acting():
+            for name, parameters in self.faults.items():
+                stage.node.faults.inject(name, **parameters)
+
+
+@dataclass(frozen=True)
+class Clear(Action):
+    """A cause goes away; the device recovers as far as it does by itself."""
+
+    fault: str | None
+    """None for all of them."""
+
+    def carry_out(self, stage: Stage) -> None:
+        """Without effect if it is not active."""
+        with stage.node.acting():
+            stage.node.faults.clear(self.fault)
+
+
+def parse_set(item: Item, rehearsal: Rehearsal) -> Action:
+    """`{load: open}`."""
+    return Set(rehearsal.set(item))
+
+
+def parse_send(item: Item, rehearsal: Rehearsal) -> Action:
+    """`080#`."""
+    return Send(Frame.parse(item.text))
+
+
+def parse_nmt(item: Item, rehearsal: Rehearsal) -> Action:
+    """`start`."""
+    return Nmt(COMMANDS[item.one_of("NMT command", COMMANDS)])
+
+
+def parse_power(item: Item, rehearsal: Rehearsal) -> Action:
+    """`off`."""
+    return Power(SWITCHES[item.one_of("position of the supply", SWITCHES)])
+
+
+def parse_inject(item: Item, rehearsal: Rehearsal) -> Action:
+    """`interlock_open`, or with parameters `{mains: {volts: 300}}`."""
+    if not item.is_mapping:
+        return Inject({item.text: rehearsal.inject(item, {})})
+    faults = {}
+    for name, pair in item.some_pairs.items():
+        with item.problems.at(pair.value):
+            faults[name] = rehearsal.inject(pair.key, pair.value.pairs)
+    return Inject(faults)
+
+
+def parse_clear(item: Item, rehearsal: Rehearsal) -> Action:
+    """`interlock_open` or `all`."""
+    fault = None if item.text == ALL_FAULTS else item.text
+    rehearsal.clear(fault)
+    return Clear(fault)
+
+
+class Verb(NamedTuple):
+    """How a verb is read."""
+
+    parse: Callable[..., Action]
+    """Called with the value of its key, a rehearsal, and by name what stands beside."""
+    beside: tuple[str, ...] = ()
+    """Keys of the step that belong to it and may be left out."""
+
+
+VERBS: Mapping[str, Verb] = {
+    "set": Verb(parse_set),
+    "write": Verb(parse_write, ("abort",)),
+    "send": Verb(parse_send),
+    "nmt": Verb(parse_nmt),
+    "power": Verb(parse_power),
+    "inject": Verb(parse_inject),
+    "clear": Verb(parse_clear),
+    "expect": Verb(parse_expect),
+}

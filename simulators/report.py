@@ -1,0 +1,35 @@
+"""What happened last on a bus, for people: the frames in words, the faults, the devices."""
+
+from collections.abc import Sequence
+
+from simulators.decode import Decoder
+from simulators.node import Node
+from simulators.segment import Record
+
+SHOWN = 20  # frames
+
+
+def last_frames(records: Sequence[Record], nodes: Sequence[Node]) -> str:
+    """The last frames, each with its time, its sender and what it means."""
+    decoder = Decoder(nodes)
+    lines = [
+        f"{record.time:12.6f}  {record.sender or '-':10}  {record.frame!s:21}"
+        f"  {decoder.words(record.frame)}".rstrip()
+        for record in records[-SHOWN:]
+    ]
+    return "\n".join(lines or ["no frame"])
+
+
+def device_state(node: Node) -> str:
+    """NMT state, active faults and what a look at the model shows."""
+    faults = [_call(name, values) for name, values in node.faults.active.items()]
+    lines = [
+        f"{node.wire.name}: node {node.node_id}, {node.state if node.powered else 'power off'}",
+        f"  faults: {', '.join(faults) or 'none'}",
+        *(f"  {name}: {value}" for name, value in node.device.report.items()),
+    ]
+    return "\n".join(lines)
+
+
+def _call(name: str, values: dict[str, object]) -> str:
+    return f"{name}({', '.join(f'{key}={value}' for key, value in values.items())})"

@@ -1,0 +1,29 @@
+from collections.abc import Callable
+
+import pytest
+from probe import Probe
+
+from simulators import Bench
+
+
+@pytest.fixture
+def bench_of() -> Callable[..., Bench]:
+    """A bench with a probe as node 5; keywords are those of its profile."""
+
+    def bench_of(**profile):
+        return Bench.of({"probe": Probe(**profile)})
+
+    return bench_of
+
+
+@pytest.fixture
+def bench(bench_of) -> Bench:
+    """A bench with a probe as node 5, in Pre-operational."""
+    return bench_of()
+
+
+@pytest.fixture
+def operational(bench) -> Bench:
+    """The same, in Operational."""
+    bench.send("000#0105")
+    return bench

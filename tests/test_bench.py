@@ -1,0 +1,190 @@
+import canopen
+import pytest
+from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
+from probe import Probe
+
+from simulators import Bench, UserError
+
+
+@pytest.fixture
+def pair():
+    return Bench.of({"left": Probe(5), "right": Probe(6)})
+
+
+def test_the_twins_of_a_bench_have_power(pair):
+    assert pair.sent == ["705#00", "706#00"]
+
+
+def test_send_returns_what_the_twins_send_before_time_moves(bench):
+    assert bench.send("605#4000100000000000") == ["585#4300100000000000"]
+    assert bench.send("123#") == []
+    assert bench.clock.now == 0.0
+
+
+def test_run_returns_what_the_twins_send_meanwhile(bench):
+    bench.send("605#2B171000E8030000")
+    assert bench.run(0.999) == []
+    assert bench.run(1.001) == ["705#7F", "705#7F"]
+    assert bench.clock.now == 2.0
+
+
+def test_sent_is_everything_the_twins_have_sent(bench):
+    bench.send("605#4000100000000000")
+    assert bench.sent == ["705#00", "585#4300100000000000"]
+
+
+def test_the_trace_has_every_frame_with_time_and_sender(bench):
+    bench.run(1.5)
+    bench.send("605#4000100000000000")
+    assert [str(record) for record in bench.trace] == [
+        "(0000000000.000000) can0 705#00",
+        "(0000000001.500000) can0 605#4000100000000000",
+        "(0000000001.500000) can0 585#4300100000000000",
+    ]
+    assert [record.sender for record in bench.trace] == ["probe", "", "probe"]
+
+
+def test_the_same_story_gives_the_same_trace():
+    def trace():
+        bench = Bench.of({"left": Probe(5), "right": Probe(6)})
+        bench.send("605#2B1710000A000000")
+        bench.send("000#0100")
+        bench.run(0.1)
+        bench["right"].inject("level", value=3)
+        return [str(record) for record in bench.trace]
+
+    assert trace() == trace()
+
+
+def test_what_is_no_frame_is_an_error_of_the_user(bench):
+    with pytest.raises(UserError, match="is no frame"):
+        bench.send("605 40")
+
+
+def test_an_unknown_device_is_an_error_of_the_user():
+    with pytest.raises(UserError, match="unknown device 'nothing'"):
+        Bench("nothing")
+
+
+def test_the_master_is_canopen_s_own(bench):
+    assert isinstance(bench.master, canopen.Network)
+    assert isinstance(bench.twin.remote, canopen.RemoteNode)
+
+
+def test_a_real_client_reads_and_writes(bench):
+    bench.sdo["Limited"].raw = -7
+    assert bench.sdo["Limited"].raw == -7
+    bench.sdo["Text"].raw = "longer than one segment"
+    assert bench.sdo["Text"].raw == "longer than one segment"
+    assert bench.sdo["Device name"].raw == "Probe of the engine"
+
+
+def test_a_real_client_is_refused(bench):
+    with pytest.raises(SdoAbortedError) as refusal:
+        bench.sdo["Limited"].raw = 101
+    assert refusal.value.code == 0x06090031
+
+
+def test_a_client_does_not_wait_for_what_never_comes(bench):
+    bench.send("000#0205")
+    with pytest.raises(SdoCommunicationError, match="No SDO response"):
+        bench.sdo.upload(0x1000, 0)
+    assert bench.clock.now == 0.0
+
+
+def test_the_master_hears_heartbeats_emergencies_and_pdos(bench):
+    remote = bench.twin.remote
+    remote.tpdo.read()
+    bench.sdo["Producer heartbeat"].raw = 100
+    remote.nmt.state = "OPERATIONAL"
+    bench.inject("level", value=0x1234)
+    bench.inject("error", code=0x2310)
+    bench.run(0.1)
+    assert remote.nmt.state == "OPERATIONAL"
+    assert remote.tpdo[1]["Level"].raw == 0x1234
+    assert [emcy.code for emcy in remote.emcy.active] == [0x2310]
+
+
+def test_what_the_master_sends_periodically_runs_on_the_clock_of_the_bench(operational):
+    operational.master.sync.start(0.1)
+    assert operational.run(0.35) == ["285#00000000"] * 3
+    operational.master.sync.stop()
+    assert operational.run(1.0) == []
+
+
+def test_remote_frames_are_sent_as_such_and_not_heard_by_canopen(operational):
+    heard = []
+    operational.master.subscribe(0x123, lambda *_: heard.append(True))
+    operational.master.send_message(0x285, b"", remote=True)
+    assert operational.sent[-1] == "285#00000000"
+    operational["probe"].node.wire.send_message(0x123, b"", remote=True)
+    operational.segment.deliver()
+    assert heard == []
+
+
+def test_several_twins_are_taken_by_name(pair):
+    pair["right"].sdo["Byte"].raw = 3
+    assert (pair["left"].sdo["Byte"].raw, pair["right"].sdo["Byte"].raw) == (0, 3)
+    with pytest.raises(LookupError, match=r"bench\['left'\]"):
+        pair.sdo["Byte"].raw = 3
+
+
+def test_faults_are_injected_and_cleared_by_name(bench):
+    bench.inject("error", code=0x2310, register=0x03)
+    assert bench.sent[-1] == "085#102303" + b"field".hex().upper()
+    bench.clear("error")
+    assert bench.sent[-1] == "085#0000000000000000"
+
+
+def test_all_faults_are_cleared_at_once(bench):
+    bench.inject("error", code=0x2310)
+    bench.clear()
+    assert bench.sent[-1] == "085#0000000000000000"
+
+
+def test_an_unknown_fault_is_an_error_of_the_user(bench):
+    with pytest.raises(UserError, match="'error'"):
+        bench.inject("eror", code=1)
+
+
+def test_a_fault_outlives_a_power_cycle(bench):
+    bench.inject("error", code=0x2310)
+    bench.power_off()
+    start = len(bench.sent)
+    bench.power_on()
+    assert bench.sent[start:] == ["705#00", "085#102301" + b"field".hex().upper()]
+
+
+def test_another_node_id_can_be_given_at_power_on(bench):
+    bench.power_off()
+    bench.power_on(node_id=9)
+    assert bench.sent[-1] == "709#00"
+    assert bench.sdo["Word"].raw == 0x1234
+
+
+def test_a_node_id_out_of_range_is_an_error_of_the_user(bench):
+    bench.power_off()
+    for node_id in (0, 128):
+        with pytest.raises(UserError, match="node id"):
+            bench.power_on(node_id=node_id)
+
+
+def test_settings_that_are_taken_over_at_power_on_are_refused_while_it_is_on(bench):
+    with pytest.raises(UserError, match="power-on only"):
+        bench.set(node_id=9)
+    with pytest.raises(UserError, match="power is on"):
+        bench.power_on(node_id=9)
+    assert bench.device.node_id == 5
+
+
+def test_looking_at_a_device_brings_it_up_to_the_present(bench):
+    bench.run(0.5)
+    assert bench.device.steps == [0.5]
+
+
+def test_what_a_look_at_a_device_brings_to_light_is_sent_at_once(operational):
+    probe = operational.device
+    probe.step = lambda dt: probe.on_heartbeat(7, False)
+    operational.run(0.5)
+    assert operational.device is probe
+    assert str(operational.trace[-1]) == "(0000000000.500000) can0 085#3081110000000000"

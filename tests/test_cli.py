@@ -1,0 +1,204 @@
+import json
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from simulators import devices
+from simulators.cli import main
+from simulators.commands.lock import held
+from simulators.resources import od_file, scenarios
+
+RUN = [sys.executable, "-m", "simulators", "run", "topcon", "-n", "5", "-i", "virtual", "-c", "cli"]
+
+
+@pytest.fixture
+def said(capsys):
+    """Run a command in this process: its exit code and what it said on stdout and stderr."""
+
+    def run(*arguments):
+        try:
+            code = main(arguments)
+        except SystemExit as end:  # argparse's own way out
+            code = end.code
+        return code, *capsys.readouterr()
+
+    return run
+
+
+def test_every_device_and_every_scenario_is_listed(said):
+    code, out, _ = said("list")
+    assert code == 0
+    for name in [*devices.names(), *scenarios()]:
+        assert name in out
+
+
+@pytest.mark.parametrize("device", devices.names())
+def test_every_entry_of_every_device_is_told(said, device):
+    code, out, _ = said("objects", device)
+    entries = devices.create(device).dictionary()
+    subs = [getattr(item, "subindices", [0]) for item in entries.values() if item.index >= 0x1000]
+    assert (code, out.count("\n") - 1) == (0, sum(map(len, subs)))
+
+
+def test_an_entry_is_told_with_type_access_default_and_limits(said):
+    _, out, _ = said("objects", "topcon")
+    lines = {line.split()[0]: line.split() for line in out.splitlines()}
+    assert lines["0x2010:00"][1:] == ["Voltage", "reference", "INTEGER16", "rw", "0..4000"]
+    assert lines["0x1400:02"][-2:] == ["rw", "0xFE"]
+
+
+@pytest.mark.parametrize("device", devices.names())
+def test_every_setting_and_every_fault_of_every_device_is_told(said, device):
+    _, told, _ = said("settings", device)
+    names = [line.split()[0] for line in told.splitlines()[1:]]
+    assert names == list(devices.find(device).settings_type.__dataclass_fields__)
+    _, told, _ = said("faults", device)
+    for name, fault in devices.create(device).faults.items():
+        assert f"{name}\n    {fault.text}\n" in told
+
+
+def test_the_eds_is_printed_as_it_is_shipped(said):
+    with od_file("topcon.eds") as path:
+        assert said("eds", "topcon") == (0, path.read_text("ascii"), "")
+
+
+WRONG = [
+    (["objects", "topkon"], "unknown device 'topkon': did you mean 'topcon'?"),
+    (["run", "topcon", "-n", "0"], "node id 0 is not in 1..127"),
+    (["run", "topcon", "-n", "128"], "node id 128 is not in 1..127"),
+    (["run", "topcon", "--set", "laod=open"], "unknown setting 'laod': did you mean 'load'?"),
+    (["run", "topcon", "--set", "load"], "--set load: write it as KEY=VALUE"),
+    (["run", "topcon", "--set", "serial=x"], "setting 'serial' wants a whole number, not 'x'"),
+    (["play", "nothing.yaml"], "unknown scenario 'nothing.yaml'"),
+    (["run", "topcon", "--nvram", "/nowhere/memory"], "/nowhere/memory cannot be kept there"),
+    (["run", "topcon", "-i", "slcan", "-c", "/nowhere"], "the bus cannot be opened: "),
+    (
+        ["run", "another", "--scenario", "topcon_overvoltage.yaml"],
+        "topcon_overvoltage.yaml is about topcon, not about another",
+    ),
+]
+
+
+@pytest.mark.parametrize(("arguments", "told"), WRONG, ids=str)
+def test_wrong_input_is_told_in_one_line_and_exit_code_2(said, arguments, told):
+    code, out, err = said(*arguments)
+    assert (code, out) == (2, "")
+    assert err.startswith("canopen-twin: ")
+    assert told in err
+    assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize("arguments", [[], ["fly"], ["run"], ["run", "topcon", "-n", "five"]])
+def test_what_is_no_command_is_refused_with_its_usage(said, arguments):
+    code, out, err = said(*arguments)
+    assert (code, out) == (2, "")
+    assert err.startswith("usage: canopen-twin")
+
+
+def test_the_version_is_that_of_the_package(said):
+    assert said("--version")[:2] == (0, "0.1.0\n")
+
+
+def test_verbose_may_be_said_before_and_after_the_command(said):
+    assert said("-v", "list") == said("list", "-vv")
+
+
+def test_help_is_there_without_the_imports_of_the_commands():
+    code = """if True:
+        import sys
+        from simulators.cli import parser
+        parser().format_help()
+        print([name for name in ("can", "canopen", "yaml", "json") if name in sys.modules])
+    """
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 0), (signal.SIGINT, 130)])
+def test_a_run_says_when_it_is_ready_and_stops_when_it_is_told(number, code):
+    with subprocess.Popen(RUN, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
+        ready = json.loads(run.stdout.readline())
+        run.send_signal(number)
+        out, err = run.communicate(timeout=10)
+    assert ready == {"ready": "topcon", "node_id": 5, "interface": "virtual", "channel": "cli"}
+    assert (run.returncode, out, err) == (code, "", "")
+
+
+def test_a_reader_that_has_seen_enough_is_no_error():
+    command = [sys.executable, "-m", "simulators", "objects", "topcon"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as run:
+        run.stdout.close()
+        assert run.stderr.read() == b""
+
+
+def test_a_scenario_beside_a_master_ends_the_run_with_its_verdict(tmp_path):
+    story = tmp_path / "story.yaml"
+    story.write_text("""\
+version: 1
+node: {device: topcon, node_id: 5}
+steps:
+  - at: 0.1
+    inject: {error: {number: 0x23}}
+  - at: 0.1
+    expect: {emcy: {code: 0x2300}, within: 0.05}
+  - at: 0.2
+    expect: {value: {State of output: 0}}
+""")
+    done = subprocess.run([*RUN, "--scenario", story], capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert "FAIL" in done.stdout
+
+
+STORY = """\
+version: 1
+node: {device: topcon, node_id: 5, settings: {serial: 77}}
+steps:
+  - at: 0
+    expect: {value: {0x1018:04: 77}}
+"""
+SAVE, STORED = (
+    f"version: 1\nnode: {{device: topcon, node_id: 5}}\nsteps:\n  - at: 0\n    {step}\n"
+    for step in (
+        "write: {0x2010: 1340, 0x1010:01: 0x65766173}",
+        "expect: {value: {0x2010: 1340}}",
+    )
+)
+
+
+@pytest.fixture
+def told(said, tmp_path):
+    """Run a scenario beside a master, with further options."""
+
+    def run(story, *options):
+        (tmp_path / "story.yaml").write_text(story)
+        bus = ["-i", "virtual", "-c", str(tmp_path)]
+        return said("run", "topcon", *bus, "--scenario", f"{tmp_path}/story.yaml", *options)
+
+    return run
+
+
+def test_a_run_takes_the_settings_of_its_scenario_unless_told_otherwise(told):
+    assert told(STORY)[0] == 0
+    assert told(STORY, "--set", "serial=78")[0] == 1
+
+
+def test_what_a_device_stores_is_there_in_the_next_run(told, tmp_path):
+    memory = str(tmp_path / "memory")
+    assert told(STORED, "--nvram", memory)[0] == 1
+    assert told(SAVE, "--nvram", memory)[0] == 0
+    assert told(STORED, "--nvram", memory)[0] == 0
+
+
+def test_a_memory_belongs_to_one_run_at_a_time(said, tmp_path):
+    memory = tmp_path / "memory"
+    with held(memory):
+        code, _, err = said("run", "topcon", "-i", "virtual", "--nvram", str(memory))
+    assert (code, err) == (2, f"canopen-twin: {memory} belongs to another run\n")
+
+
+def test_a_run_leaves_the_signals_as_they_were(told):
+    before = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
+    told(STORY)
+    assert (signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)) == before

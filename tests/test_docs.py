@@ -1,0 +1,97 @@
+import re
+import shlex
+from dataclasses import fields
+from pathlib import Path
+from typing import Literal, get_args, get_origin, get_type_hints
+
+import pytest
+
+from simulators import devices
+from simulators.cli import main
+from simulators.settings import about
+
+pytest_plugins = ["pytester"]
+
+DOCS = Path(__file__).parent.parent / "docs"
+PAGES = sorted(DOCS.rglob("*.md"))
+BLOCK = re.compile(r"^```(\w+)(?: file=(\S+))?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+class Reader:
+    """Does what a page tells to do: one namespace, one directory, block by block."""
+
+    def __init__(self, page, pytester):
+        self.page = page
+        self.pytester = pytester
+        self.namespace = {"__name__": "__main__"}
+        self.programs = {"canopen-twin": main, "pytest": self.pytest}
+
+    def read(self):
+        text = self.page.read_text("utf-8")
+        for block in BLOCK.finditer(text):
+            language, file, code = block.groups()
+            if file:
+                Path(file).write_text(code, "utf-8")
+            elif language == "python":
+                above = "\n" * (text.count("\n", 0, block.start()) + 1)  # for tracebacks
+                exec(compile(above + code, str(self.page), "exec"), self.namespace)
+            elif language == "console":
+                self.type(code)
+
+    def type(self, code):
+        for line in code.splitlines():
+            if line.startswith("$ "):
+                program, *arguments = shlex.split(line[2:])
+                assert self.programs[program](arguments) == 0, line
+
+    def pytest(self, arguments):
+        return self.pytester.runpytest_inprocess("-p", "no:cacheprovider", *arguments).ret
+
+
+def page_of(device):
+    return (DOCS / "devices" / f"{device}.md").read_text("utf-8")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(DOCS)))
+def test_what_a_page_shows_works(page, pytester):
+    Reader(page, pytester).read()
+
+
+@pytest.mark.parametrize(
+    "text", ["```python\nassert 0\n```", "```console\n$ canopen-twin play nothing\n```"]
+)
+def test_what_does_not_work_is_found(text, pytester):
+    page = pytester.path / "page.md"
+    page.write_text(f"{text}\n")
+    with pytest.raises(AssertionError):
+        Reader(page, pytester).read()
+
+
+@pytest.mark.parametrize("device", devices.names())
+def test_the_page_of_a_device_has_every_setting_and_every_assumption_behind_one(device):
+    page = page_of(device)
+    settings = fields(devices.find(device).settings_type)
+    assert [entry.name for entry in settings if f"`{entry.name}`" not in page] == []
+    assumed = {
+        number for entry in settings for number in re.findall(r"A-\d+", about(entry).assumed)
+    }
+    assert [number for number in sorted(assumed) if f"| {number} |" not in page] == []
+    assert [entry.name for entry in settings if about(entry).assumed.strip("A-0123456789, ")] == []
+
+
+@pytest.mark.parametrize("device", devices.names())
+def test_the_page_of_a_device_has_the_words_of_every_setting_default_first(device):
+    page = page_of(device)
+    settings = devices.find(device).settings_type
+    for name, kind in get_type_hints(settings).items():
+        if get_origin(kind) is Literal:
+            assert f"`{name}`: `" + "`, `".join(get_args(kind)) + "`" in page
+            assert get_args(kind)[0] == getattr(settings(), name)
+
+
+@pytest.mark.parametrize("device", devices.names())
+def test_the_page_of_a_device_has_every_fault_with_its_parameters(device):
+    rows = [line for line in page_of(device).splitlines() if line.startswith("| `")]
+    for name, fault in devices.create(device).faults.items():
+        (row,) = [row for row in rows if row.startswith(f"| `{name}` |")]
+        assert [told for told in fault.parameters if f"`{told}`" not in row] == [], name

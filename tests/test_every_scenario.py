@@ -1,0 +1,31 @@
+from io import StringIO
+from pathlib import Path
+
+import pytest
+
+from simulators.replay import load, play
+
+SCENARIOS = sorted(Path(__file__).parents[1].glob("scenarios/*.yaml"))
+
+
+@pytest.fixture(params=SCENARIOS, ids=lambda path: path.stem)
+def scenario(request):
+    return load(request.param)
+
+
+def test_it_is_a_story_that_comes_out_as_told_and_the_same_each_time(scenario):
+    traces = [StringIO(), StringIO()]
+    verdicts = [play(scenario, trace) for trace in traces]
+    assert verdicts[0].ok, str(verdicts[0])
+    assert verdicts[0] == verdicts[1]
+    assert traces[0].getvalue() == traces[1].getvalue()
+
+
+def test_it_says_what_it_is_about_and_expects_something(scenario):
+    assert scenario.name != scenario.file.stem
+    assert scenario.note
+    assert play(scenario).outcomes
+
+
+def test_its_name_begins_with_that_of_a_device(scenario):
+    assert scenario.file.stem.split("_")[0] in scenario.nodes

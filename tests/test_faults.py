@@ -1,0 +1,92 @@
+import pytest
+
+from simulators.errors import UserError
+from simulators.faults import Fault, Faults, Parameter, arguments
+
+NUMBER = Parameter("which one")
+SIZE = Parameter("how much", 10)
+
+
+@pytest.fixture
+def log():
+    return []
+
+
+@pytest.fixture
+def faults(log):
+    return Faults(
+        {
+            "lasting": Fault(
+                "stays until it is cleared",
+                lambda number, size: log.append(("inject", number, size)),
+                lambda number, size: log.append(("clear", number, size)),
+                {"number": NUMBER, "size": SIZE},
+            ),
+            "passing": Fault("is over at once", lambda: log.append("passing")),
+        }
+    )
+
+
+def test_a_fault_is_injected_and_cleared_with_the_same_parameters(faults, log):
+    faults.inject("lasting", number=3)
+    assert faults.active == {"lasting": {"number": 3, "size": 10}}
+    faults.clear("lasting")
+    assert (faults.active, log) == ({}, [("inject", 3, 10), ("clear", 3, 10)])
+
+
+def test_a_fault_that_is_active_already_is_replaced(faults, log):
+    faults.inject("lasting", number=3)
+    faults.inject("lasting", number=4, size=1)
+    assert log == [("inject", 3, 10), ("clear", 3, 10), ("inject", 4, 1)]
+
+
+def test_a_fault_without_clear_is_never_active(faults, log):
+    faults.inject("passing")
+    assert (faults.active, log) == ({}, ["passing"])
+    faults.clear("passing")
+    assert log == ["passing"]
+
+
+def test_clearing_without_a_name_clears_all_that_is_active(faults, log):
+    faults.clear()
+    faults.inject("lasting", number=3)
+    faults.clear()
+    faults.clear()
+    assert (faults.active, log[1:]) == ({}, [("clear", 3, 10)])
+
+
+def test_what_is_not_active_is_cleared_without_effect(faults, log):
+    faults.clear("lasting")
+    assert log == []
+
+
+def test_what_is_active_can_be_injected_again_as_it_was(faults, log):
+    faults.inject("lasting", number=3)
+    faults.inject("passing")
+    log.clear()
+    faults.renew()
+    assert log == [("inject", 3, 10)]
+
+
+@pytest.mark.parametrize("act", [Faults.inject, Faults.clear])
+def test_an_unknown_fault_is_an_error_with_the_nearest_known_one(faults, act):
+    with pytest.raises(UserError, match=r"'lasing'.*'lasting'"):
+        act(faults, "lasing")
+
+
+def test_an_unknown_parameter_is_an_error_with_the_nearest_known_one(faults, log):
+    with pytest.raises(UserError, match=r"'nummer'.*'number'"):
+        faults.inject("lasting", nummer=3)
+    assert (faults.active, log) == ({}, [])
+
+
+def test_a_missing_parameter_is_an_error_that_says_what_it_means(faults, log):
+    with pytest.raises(UserError, match="'number': which one"):
+        faults.inject("lasting", size=3)
+    assert (faults.active, log) == ({}, [])
+
+
+def test_the_arguments_of_a_fault_are_known_before_it_is_injected(faults, log):
+    fault = faults.known["lasting"]
+    assert arguments("lasting", fault, {"number": 3}) == {"number": 3, "size": 10}
+    assert log == []

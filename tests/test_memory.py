@@ -1,0 +1,95 @@
+import json
+import logging
+
+import pytest
+
+from simulators.errors import UserError
+from simulators.memory import LARGEST_FILE, Memory
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "memory.json"
+
+
+def test_what_nobody_stored_is_empty():
+    assert Memory().load("parameters") == {}
+
+
+def test_a_section_is_replaced_as_a_whole_and_the_others_stay():
+    memory = Memory()
+    memory.store("a", {"one": 1, "two": 2})
+    memory.store("b", {"three": 3})
+    memory.store("a", {"two": 22})
+    assert (memory.load("a"), memory.load("b")) == ({"two": 22}, {"three": 3})
+
+
+def test_nobody_can_change_the_memory_without_storing():
+    memory, values = Memory(), {"one": 1}
+    memory.store("a", values)
+    values["one"] = 2
+    memory.load("a")["one"] = 3
+    assert memory.load("a") == {"one": 1}
+
+
+def test_a_file_has_what_was_stored_when_store_returns(path):
+    Memory(path).store("parameters", {"2001:00": "1234"})
+    assert Memory(path).load("parameters") == {"2001:00": "1234"}
+
+
+def test_the_same_content_makes_the_same_file(path):
+    memory = Memory(path)
+    memory.store("b", {"y": 1, "x": 2})
+    memory.store("a", {})
+    first = path.read_bytes()
+    other = Memory(path.with_name("other.json"))
+    other.store("a", {})
+    other.store("b", {"x": 2, "y": 1})
+    assert path.with_name("other.json").read_bytes() == first
+
+
+def test_nothing_is_left_beside_the_file(path):
+    Memory(path).store("a", {"one": 1})
+    assert [entry.name for entry in path.parent.iterdir()] == [path.name]
+
+
+@pytest.mark.parametrize(
+    "content",
+    [b"", b"{", b"[]", b'{"a": 1}', b"\xff\xfe", b"[" * 100_000, b'"' + b"a" * LARGEST_FILE + b'"'],
+    ids=["empty", "broken", "list", "no sections", "no text", "deep", "large"],
+)
+def test_a_damaged_file_is_kept_beside_reported_and_replaced_by_defaults(path, content, caplog):
+    path.write_bytes(content)
+    with caplog.at_level(logging.ERROR):
+        memory = Memory(path)
+    assert memory.load("a") == {}
+    assert path.with_name("memory.json.bad").read_bytes() == content
+    assert "memory.json.bad" in caplog.text
+    memory.store("a", {"one": 1})
+    assert json.loads(path.read_text()) == {"a": {"one": 1}}
+
+
+@pytest.mark.parametrize("name", ["", "missing/memory.json"])
+def test_a_path_that_can_hold_no_file_is_an_error_of_the_user(tmp_path, name):
+    with pytest.raises(UserError, match="a memory is a file"):
+        Memory(tmp_path / name)
+
+
+def test_a_memory_that_cannot_be_written_is_as_before(path):
+    memory = Memory(path)
+    memory.store("a", {"one": 1})
+    before = path.read_bytes()
+    with pytest.raises(TypeError):
+        memory.store("a", {"one": object()})
+    assert (memory.load("a"), path.read_bytes()) == ({"one": 1}, before)
+    assert [entry.name for entry in path.parent.iterdir()] == [path.name]
+
+
+def test_a_folder_that_has_gone_is_an_error_of_the_system_and_changes_nothing(tmp_path):
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    memory = Memory(folder / "memory.json")
+    folder.rmdir()
+    with pytest.raises(OSError, match="folder"):
+        memory.store("a", {"one": 1})
+    assert memory.load("a") == {}

@@ -1,0 +1,270 @@
+from math import inf
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from probe import Probe
+
+from simulators import Bench
+from simulators.services import State
+
+READ_LEVEL = "605#4000210000000000"
+
+
+def level(bench):
+    (answer,) = bench.send(READ_LEVEL)
+    return int(answer[12:14], 16)
+
+
+def test_power_on_boots_and_says_so_once(bench):
+    assert bench.sent == ["705#00"]
+    assert bench.device.told == ["power on", "PRE-OPERATIONAL"]
+    assert bench.twin.node.state is State.PRE_OPERATIONAL
+
+
+def test_power_on_does_nothing_to_what_is_on(bench):
+    bench.power_on()
+    assert bench.sent == ["705#00"]
+    assert bench.device.told.count("power on") == 1
+
+
+def test_without_power_nothing_is_heard_sent_or_stepped(bench):
+    bench.device.rest = 0
+    bench.send("605#2B17100064000000")
+    bench.power_off()
+    start = len(bench.device.told)
+    assert (bench.send(READ_LEVEL), bench.send("000#8105"), bench.run(5.0)) == ([], [], [])
+    assert bench.device.told[start:] == []
+    assert bench.twin.node.state is State.INITIALISING
+    assert bench.twin.node.slave is None
+
+
+def test_power_off_is_told_once(bench):
+    bench.power_off()
+    bench.power_off()
+    assert bench.device.told[2:] == ["INITIALISING", "power off"]
+
+
+def test_a_power_cycle_starts_everything_volatile_afresh(bench):
+    for write in ("605#2B17100064000000", "605#2B01200001000000", "605#2B00210007000000"):
+        bench.send(write)
+    bench.power_off()
+    bench.run(1.0)
+    bench.power_on()
+    assert level(bench) == 0
+    assert bench.send("605#4001200000000000") == ["585#4B01200034120000"]
+    assert bench.send("605#4017100000000000") == ["585#4B17100000000000"]
+    assert bench.run(1.0) == []
+
+
+def test_reset_communication_renews_the_communication_area_only(bench):
+    for write in ("605#2B17100064000000", "605#2B01200001000000", "605#2B00210007000000"):
+        bench.send(write)
+    assert bench.send("000#8205") == ["705#00"]
+    assert bench.device.told[2:] == ["INITIALISING", "reset communication", "PRE-OPERATIONAL"]
+    assert level(bench) == 7
+    assert bench.send("605#4001200000000000") == ["585#4B01200001000000"]
+    assert bench.send("605#4017100000000000") == ["585#4B17100000000000"]
+
+
+def test_reset_node_renews_the_application_too(bench):
+    for write in ("605#2B17100064000000", "605#2B01200001000000", "605#2B00210007000000"):
+        bench.send(write)
+    assert bench.send("000#8105") == ["705#00"]
+    assert bench.device.told[2:] == ["INITIALISING", "reset node", "PRE-OPERATIONAL"]
+    assert level(bench) == 0
+    assert bench.send("605#4001200000000000") == ["585#4B01200034120000"]
+    assert bench.send("605#4017100000000000") == ["585#4B17100000000000"]
+
+
+@pytest.mark.parametrize("reset", ["000#8105", "000#8205"])
+def test_no_timer_outlives_a_reset(operational, reset):
+    for write in (
+        "605#2B17100064000000",  # heartbeat
+        "605#23161001E8030700",  # heartbeat consumer of node 7
+        "605#2B00180564000000",  # event timer of TPDO 1
+        "605#2105200000000000",  # an SDO transfer that is left open
+    ):
+        operational.send(write)
+    operational.send("707#05")
+    operational.send(reset)
+    assert operational.run(30.0) == []
+    assert operational.clock.next_deadline == inf
+
+
+def test_a_device_that_goes_offline_falls_silent_and_boots_when_it_is_back(bench):
+    bench.device.rest = 0
+    bench.send("605#2B17100064000000")
+    bench.run(0.1)
+    bench.device.online = False
+    assert bench.run(1.0) == []
+    assert (bench.send(READ_LEVEL), bench.twin.node.state) == ([], State.INITIALISING)
+    bench.device.online = True
+    assert bench.run(0.01) == ["705#00"]
+    assert bench.send("605#4017100000000000") == ["585#4B17100000000000"]
+
+
+def test_a_device_that_is_offline_at_power_on_boots_later():
+    probe = Probe()
+    probe.online, probe.rest = False, 0
+    bench = Bench.of({"probe": probe})
+    assert (bench.sent, bench.run(0.5)) == ([], [])
+    probe.online = True
+    assert bench.run(0.01) == ["705#00"]
+
+
+def test_a_device_that_is_offline_after_a_reset_boots_when_it_is_back(bench):
+    probe = bench.device
+    probe.reset_node = lambda: setattr(probe, "online", False)
+    assert bench.send("000#8105") == []
+    probe.online, probe.rest = True, 0
+    bench.inject("level", value=1)
+    assert bench.sent == ["705#00", "705#00"]
+
+
+def test_the_node_id_is_taken_over_by_a_reset(bench):
+    probe = bench.device
+    probe.configure(node_id=6)
+    assert bench.send("605#4014100000000000") == ["585#4314100085000000"]
+    assert bench.send("000#8200") == ["706#00"]
+    assert bench.send("605#4014100000000000") == []
+    assert bench.send("606#4014100000000000") == ["586#4314100086000000"]
+
+
+def test_a_device_without_rest_is_stepped_every_cycle():
+    probe = Probe()
+    probe.rest = 0
+    bench = Bench.of({"probe": probe})
+    bench.run(0.035)
+    assert probe.steps == [0.01, 0.01, 0.01]
+    bench.run(0.005)
+    assert probe.steps == [0.01, 0.01, 0.01, 0.01]
+
+
+def test_a_device_at_rest_is_not_stepped_until_a_frame_comes(bench):
+    probe = bench.device
+    bench.run(1.239)
+    assert probe.steps == []
+    bench.send(READ_LEVEL)
+    assert probe.steps == [1.23]  # whole cycles only: the rest comes with the next
+    bench.run(0.001)
+    bench.send(READ_LEVEL)
+    assert probe.steps == [1.23, 0.01]
+
+
+def test_time_has_passed_before_a_frame_or_a_command_acts(bench):
+    probe = bench.device
+    bench.run(0.05)
+    bench.inject("level", value=3)
+    bench.send("605#2B00210004000000")
+    bench.run(0.02)
+    bench.send("605#2B00210005000000")
+    assert probe.told[2:] == [0.05, 0.02]
+
+
+def test_a_device_that_rests_for_a_while_is_stepped_when_that_is_over():
+    probe = Probe()
+    probe.rest = 0.105
+    bench = Bench.of({"probe": probe})
+    bench.run(0.35)
+    assert probe.steps == [0.1, 0.1, 0.1]
+
+
+def test_rest_counts_from_the_last_step():
+    probe = Probe()
+    probe.rest = 0.1
+    bench = Bench.of({"probe": probe})
+    bench.run(0.05)
+    bench.send(READ_LEVEL)
+    bench.run(0.09)
+    assert probe.steps == [0.05]
+    bench.run(0.01)
+    assert probe.steps == [0.05, 0.1]
+
+
+def test_a_resting_device_that_is_acted_upon_is_asked_again_how_long_it_rests(bench):
+    probe = bench.device
+    bench.run(1.0)
+    probe.rest = 0
+    bench.send(READ_LEVEL)
+    bench.run(0.03)
+    assert probe.steps == [1.0, 0.01, 0.01, 0.01]
+    probe.rest = inf
+    bench.run(1.0)
+    assert probe.steps[4:] == [0.01]
+
+
+def test_frames_that_nobody_hears_do_not_wake_a_device(bench):
+    bench.run(1.0)
+    for text in ("123#00", "606#4000210000000000", "00000605#4000210000000000", "605#R"):
+        bench.send(text)
+    assert bench.twin.node.device.steps == []
+
+
+@settings(max_examples=30, derandomize=True)
+@given(
+    st.sampled_from([0.0, 0.01, 0.03, 0.25, inf]),
+    st.lists(st.tuples(st.floats(0.0, 0.3), st.booleans()), max_size=12),
+)
+def test_the_model_lags_behind_by_less_than_a_cycle_after_a_frame(rest, pieces):
+    probe = Probe()
+    probe.rest = rest
+    bench = Bench.of({"probe": probe})
+    for seconds, heard in pieces:
+        bench.run(seconds)
+        if heard:
+            bench.send(READ_LEVEL)
+            assert 0 <= bench.clock.now - sum(probe.steps) < 0.010_001
+    assert all(round(dt * 1_000_000) % 10_000 == 0 for dt in probe.steps)
+
+
+def test_supply_that_comes_between_two_cycles_starts_the_grid_there():
+    probe = Probe()
+    probe.rest = 0
+    bench = Bench.of({"probe": probe})
+    bench.power_off()
+    bench.run(0.123)
+    bench.power_on()
+    bench.run(0.02)
+    assert probe.steps == [0.01, 0.01]
+
+
+@pytest.mark.parametrize("request_", ["605#4003210000000000", "605#2F03210001000000"])
+def test_a_bug_in_an_object_reaches_the_caller(bench, request_):
+    with pytest.raises(KeyError, match="a bug in an object"):
+        bench.send(request_)
+    assert bench.sent == ["705#00"]
+
+
+def test_a_bug_in_an_object_of_a_pdo_reaches_the_caller(operational):
+    for write in ("605#2302160108000321", "605#2F02160001000000", "605#2302140105040000"):
+        operational.send(write)
+    with pytest.raises(KeyError, match="a bug in an object"):
+        operational.send("405#01")
+
+
+def test_a_bug_in_the_model_reaches_whoever_lets_time_pass(bench):
+    bench.device.rest = 0
+    bench.send(READ_LEVEL)
+    bench.run(0.1)
+    bench.device.falls_over = True
+    with pytest.raises(KeyError, match="a bug in the model"):
+        bench.run(0.1)
+
+
+def test_a_bug_in_the_model_reaches_whoever_sends(bench):
+    bench.device.falls_over = True
+    bench.run(0.1)
+    with pytest.raises(KeyError, match="a bug in the model"):
+        bench.send(READ_LEVEL)
+    bench.run(0.1)
+    with pytest.raises(KeyError, match="a bug in the model"):
+        bench.sdo.upload(0x2100, 0)
+
+
+def test_news_of_an_act_goes_out_with_it(bench):
+    with bench.twin.node.acting() as probe:
+        probe.emergencies = ()
+        probe.on_heartbeat(7, False)
+    bench.segment.deliver()
+    assert bench.sent == ["705#00", "085#3081110000000000"]

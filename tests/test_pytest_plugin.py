@@ -1,0 +1,158 @@
+import subprocess
+import sys
+
+import pytest
+
+pytest_plugins = ["pytester"]
+
+REAL_TIME = """
+    from threading import Event
+
+    import canopen
+    import pytest
+
+    canopen.Network.NOTIFIER_CYCLE = 0.01
+
+    @pytest.fixture
+    def master(canopen_device):
+        served = canopen_device("topcon", node_id=5, load="resistor 4")
+        with canopen.Network().connect(**served.bus) as network:
+            from simulators.slave import dictionary
+
+            yield served, network.add_node(5, dictionary("topcon.eds", 5))
+"""
+
+
+@pytest.fixture
+def run(pytester):
+    def run(source, *options):
+        pytester.makepyfile(source)
+        return pytester.runpytest_inprocess("-p", "no:cacheprovider", *options)
+
+    return run
+
+
+def test_a_bench_is_made_with_the_settings_it_is_asked_for(run):
+    run("""
+        def test_boots(canopen_bench):
+            assert canopen_bench("topcon", node_id=29).sent == ["71D#00"]
+
+        def test_two_on_one_bus(canopen_bench):
+            bench = canopen_bench.of({"left": ("topcon", 5), "right": ("topcon", 6)})
+            assert bench.sent == ["705#00", "706#00"]
+    """).assert_outcomes(passed=2)
+
+
+def test_every_device_has_a_fixture_and_every_test_a_fresh_one(run):
+    run("""
+        def test_first(topcon):
+            topcon.sdo["Voltage reference"].raw = 7
+
+        def test_second(topcon):
+            assert topcon.sdo["Voltage reference"].raw == 0
+    """).assert_outcomes(passed=2)
+
+
+def test_the_fixtures_are_listed_with_what_they_are(run):
+    result = run("", "--fixtures")
+    result.stdout.fnmatch_lines_random(["canopen_bench*", "canopen_device*", "topcon*"])
+
+
+def test_a_failing_test_shows_the_last_frames_in_words_the_faults_and_the_device(run):
+    result = run("""
+        def test_fails(topcon):
+            topcon.inject("lasting_error", number=0x23)
+            assert topcon.send("601#4014200000000000") == []
+    """)
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(
+        [
+            "*CANopen: last frames and devices*",
+            "*topcon*701#00*boot-up",
+            "*topcon*081#0023032300000000*EMCY 2300h register 03h gate driver A fault",
+            "*-*601#4014200000000000*SDO read 0x2014:00 Run command",
+            "topcon: node 1, PRE-OPERATIONAL",
+            "*faults: lasting_error(number=35)",
+            "*state: ERROR",
+        ]
+    )
+
+
+def test_a_passing_test_shows_nothing(run):
+    result = run("def test_passes(topcon): pass", "-rA")
+    result.stdout.no_fnmatch_line("*last frames*")
+
+
+def test_a_served_device_answers_a_master_in_real_time(run):
+    run(
+        REAL_TIME
+        + """
+    def test_answers(master):
+        served, node = master
+        assert node.sdo["Nominal voltage"].raw == 400
+
+    def test_does_what_it_is_asked(master):
+        served, node = master
+        served.inject("lasting_error", number=0x23)
+        assert node.sdo["Error Register"].raw == 0x03
+        served.clear("lasting_error")
+        node.sdo["Run command"].raw = 2
+        assert node.sdo["Error Register"].raw == 0x00
+        with pytest.raises(ValueError, match="did you mean 'error'"):
+            served.inject("eror")
+
+    def test_boots_again_after_its_power_was_off(master):
+        served, node = master
+        booted = Event()
+        node.network.subscribe(0x705, lambda *_: booted.set())
+        served.power_off()
+        served.power_on()
+        assert booted.wait(5)
+    """
+    ).assert_outcomes(passed=3)
+
+
+def test_the_bus_is_chosen_by_an_option_or_an_ini_key(run, pytester):
+    source = """
+        def test_bus(canopen_device):
+            assert canopen_device("topcon").bus == {"interface": "virtual", "channel": "here"}
+    """
+    run(source, "--canopen-interface=virtual", "--canopen-channel=here").assert_outcomes(passed=1)
+    pytester.makeini("[pytest]\ncanopen_channel = here")
+    run(source).assert_outcomes(passed=1)
+
+
+def test_a_device_that_cannot_be_had_fails_the_test_in_one_line(run):
+    result = run("def test_none(canopen_device): canopen_device('topkon')")
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(["*UserError: unknown device 'topkon': did you mean 'topcon'?"])
+
+
+def test_a_bus_that_cannot_be_opened_fails_the_test(run):
+    source = "def test_none(canopen_device): canopen_device('topcon')"
+    result = run(source, "--canopen-interface=nonsense")
+    result.assert_outcomes(failed=1)
+
+
+def test_a_bug_in_a_served_twin_fails_the_test(run):
+    result = run(
+        REAL_TIME
+        + """
+    def test_bug(master):
+        served, node = master
+        served._node.device.stage.run = {}.popitem
+        with pytest.raises(canopen.SdoCommunicationError):
+            node.sdo["Run command"].raw = 1
+    """
+    )
+    result.assert_outcomes(passed=1, errors=1)
+    result.stdout.fnmatch_lines(["*KeyError*"])
+
+
+def test_loading_the_plugin_imports_nothing_of_can():
+    code = (
+        "import sys, simulators.pytest_plugin; "
+        "print([name for name in ('can', 'canopen', 'yaml') if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

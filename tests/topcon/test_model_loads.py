@@ -1,0 +1,88 @@
+import pytest
+
+from simulators.devices.topcon.model import (
+    Battery,
+    CurrentSink,
+    Inductor,
+    Open,
+    PowerSink,
+    Resistor,
+    Short,
+    parse_load,
+)
+
+TEXTS = {
+    "open": Open(),
+    "resistor 4": Resistor(4.0),
+    "resistor 0.05": Resistor(0.05),
+    "battery 350 0.1": Battery(350.0, 0.1),
+    "battery 350 0.1 diode": Battery(350.0, 0.1, diode=True),
+    "sink 30": CurrentSink(30.0),
+    "sink 0": CurrentSink(0.0),
+    "power 5000": PowerSink(5000.0),
+    "power 5000 100": PowerSink(5000.0, minimum=100.0),
+    "short": Short(),
+    "inductor 2 0.01": Inductor(2.0, 0.01),
+}
+
+
+@pytest.mark.parametrize(("text", "load"), TEXTS.items())
+def test_a_load_is_its_text(text, load):
+    assert parse_load(text) == load
+    assert str(load) == text
+
+
+@pytest.mark.parametrize(
+    ("text", "load"),
+    [
+        ("resistor 4 ohm", Resistor(4.0)),
+        ("battery 350 V 0.1 ohm diode", Battery(350.0, 0.1, diode=True)),
+        ("battery 350 0.1 ohm", Battery(350.0, 0.1)),
+        ("sink 30 A", CurrentSink(30.0)),
+        ("power 5000 W 100 V", PowerSink(5000.0, 100.0)),
+        ("inductor 2 ohm 1e-2 H", Inductor(2.0, 0.01)),
+        ("  resistor   4.0 ", Resistor(4.0)),
+    ],
+)
+def test_units_and_spaces_are_welcome(text, load):
+    assert parse_load(text) == load
+
+
+@pytest.mark.parametrize(
+    ("text", "advice"),
+    [
+        ("", "no load is called '': open, resistor, battery, sink, power, short, inductor"),
+        ("resitor 4", "no load is called 'resitor', did you mean 'resistor'?: open"),
+        ("Resistor 4", "no load is called 'Resistor', did you mean 'resistor'?"),
+        ("resistor", "load 'resistor': ohm is not a number, write 'resistor <ohm>'"),
+        ("resistor four", "load 'resistor four': ohm is not a number, write 'resistor <ohm>'"),
+        ("resistor 4 A", "'A' is too much, write 'resistor <ohm>'"),
+        ("resistor 4 ohm 5", "'5' is too much"),
+        ("resistor -4", "ohm must be above 0"),
+        ("resistor 0", "ohm must be above 0"),
+        ("resistor nan", "ohm must be above 0"),
+        ("resistor inf", "ohm must be above 0"),
+        ("battery 350", "ohm is not a number, write 'battery <V> <ohm> [diode]'"),
+        ("battery 350 0.1 dioed", "'dioed' is too much, write 'battery <V> <ohm> [diode]'"),
+        ("battery -1 0.1", "volts must be 0 or more"),
+        ("sink -1", "amps must be 0 or more"),
+        ("sink 30 mA", "'mA' is too much, write 'sink <A>'"),
+        ("power much", "watts is not a number, write 'power <W> [<V>]'"),
+        ("power 5000 0", "minimum must be above 0"),
+        ("inductor 2", "henry is not a number, write 'inductor <ohm> <H>'"),
+        ("open 4", "'4' is too much, write 'open'"),
+    ],
+)
+def test_a_wrong_text_is_answered_by_what_would_be_right(text, advice):
+    with pytest.raises(ValueError, match=r"^[^\n]+$") as refusal:
+        parse_load(text)
+    assert advice in str(refusal.value)
+
+
+@pytest.mark.parametrize("text", TEXTS)
+def test_the_current_never_falls_with_the_voltage(text):
+    load = parse_load(text)
+    for voltage, current in ((0.0, 0.0), (50.0, 10.0), (400.0, 100.0)):
+        conductance, _, low, high = load.line(voltage, current, 0.001)
+        assert conductance >= 0.0
+        assert low <= high
