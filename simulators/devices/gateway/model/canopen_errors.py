@@ -6,6 +6,7 @@ from enum import IntFlag
 from simulators.devices.gateway.model import errors
 
 FIRST = 12411
+REGISTERED = errors.bits(range(3070, 3095))
 
 
 class CanopenError(IntFlag):
@@ -36,6 +37,12 @@ OF_GATEWAY: Mapping[int, CanopenError] = {
     errors.CAN_BUS_2: CanopenError.GW_CAN_BUS_2,
     errors.CAN_COMM_2: CanopenError.GW_CAN_COMM_2,
 }
+
+
+def error_register(present: int, word: CanopenError) -> int:
+    """Object 1001h: generic, voltage and communication error of the gateway (A-07)."""
+    generic, voltage = bool(present & REGISTERED), bool(present & errors.bit(errors.VOLTAGE))
+    return generic << 0 | voltage << 2 | bool(word) << 4
 
 
 class CanopenErrors:

@@ -63,7 +63,7 @@ class EngineControl:
         return IDLE_SPEED + setpoint / FULL_SETPOINT * (HIGHEST_SPEED - IDLE_SPEED)
 
     def states(self, *, tripped: bool) -> Mapping[str, bool]:
-        """What 2000h:07 tells (3.5 of the assumptions, A-33)."""
+        """What the bits of 2000h:07 tell (A-33)."""
         speed, mode = self._engine.speed, self.speed.mode
         running = mode is Mode.RUNNING
         return {

@@ -40,7 +40,6 @@ from simulators.devices.gateway.model.telegrams import (
 from simulators.devices.gateway.model.unit import ControlUnit
 
 NUMBERS = Numbers(partner=402, enable=4400)  # 7.2.1
-REGISTERED = errors.bits(range(3070, 3095))
 FATAL = errors.bits(errors.FATAL)
 
 
@@ -74,13 +73,6 @@ class GatewayProgramme(Programme):
     def causes(self) -> int:
         """What is wrong at this moment: the CANopen bus as well."""
         return super().causes | errors.bit(errors.CAN_BUS_2) * self.canopen.bus.failed
-
-    @property
-    def error_register(self) -> int:
-        """Object 1001h: generic, voltage and communication error (A-07)."""
-        present = self.unit.memory.present
-        generic, voltage = bool(present & REGISTERED), self.unit.memory.has(errors.VOLTAGE)
-        return generic << 0 | voltage << 2 | bool(self.errors.word) << 4
 
     @property
     def _ready(self) -> bool:

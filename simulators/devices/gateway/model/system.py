@@ -7,6 +7,7 @@ from typing import Any
 
 from simulators.devices.gateway.model import errors
 from simulators.devices.gateway.model.canopen_bus import Message
+from simulators.devices.gateway.model.canopen_errors import error_register
 from simulators.devices.gateway.model.dictionary import Dictionary
 from simulators.devices.gateway.model.kept import kept, restore
 from simulators.devices.gateway.model.machines import Gateway, Governor, Tables
@@ -156,7 +157,9 @@ class System:
     def error_register(self) -> int:
         """Object 1001h (A-07)."""
         running = self.gateway.programme
-        return 0 if running is None else running.error_register
+        if running is None:
+            return 0
+        return error_register(self.gateway.memory.present, running.errors.word)
 
     def command(self, command: MasterCommand) -> None:
         """An NMT command of the master that concerns the gateway."""
