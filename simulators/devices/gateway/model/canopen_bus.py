@@ -9,12 +9,12 @@ RETRY_CYCLES = 31  # main cycles: half a second
 
 @dataclass(frozen=True)
 class BootUp:
-    """The boot-up message."""
+    """The boot-up message: initialised, or over a bus fault without heartbeats (A-10)."""
 
 
 @dataclass(frozen=True)
 class Heartbeat:
-    """The own heartbeat with the state it tells."""
+    """The heartbeat that tells of the end of a bus fault; those in between are a matter of time."""
 
     state: State
 

@@ -1,4 +1,4 @@
-"""CANopen side of the gateway: heartbeats, PDOs, and the values the object dictionary holds."""
+"""CANopen side of the gateway: PDOs, its partner, and the values the object dictionary holds."""
 
 from simulators.devices.gateway.model.canopen_bus import (
     BootUp,
@@ -8,7 +8,7 @@ from simulators.devices.gateway.model.canopen_bus import (
     TpdoFrame,
 )
 from simulators.devices.gateway.model.dictionary import PARTNER_NODE, Entry
-from simulators.devices.gateway.model.heartbeat import Consumer, Producer
+from simulators.devices.gateway.model.heartbeat import Consumer
 from simulators.devices.gateway.model.outputs import Outputs
 from simulators.devices.gateway.model.state import COMMUNICATING, Machine, State
 from simulators.devices.gateway.model.store import Store
@@ -28,11 +28,8 @@ class CanopenSide:
         """The values of the object dictionary, while there is one."""
         self._machine = machine
         self._digital = (0, 0)  # errors and engine state, told even before there is a dictionary
-        period, limit = (
-            cycles(settings[number], cycle, MOST_HEARTBEAT_CYCLES)
-            for number in (HEARTBEAT_PERIOD, HEARTBEAT_LIMIT)
-        )
-        self.producer = Producer(period)
+        self._beats = bool(settings[HEARTBEAT_PERIOD])
+        limit = cycles(settings[HEARTBEAT_LIMIT], cycle, MOST_HEARTBEAT_CYCLES)
         self.consumer = Consumer(limit if settings[PARTNER_NODE] else 0, always_armed)
 
     @property
@@ -52,7 +49,6 @@ class CanopenSide:
 
     def boot_up(self) -> None:
         """Pre-Operational was entered from Init."""
-        self.producer.begin()
         self.bus.send(BootUp())
 
     def begin_operation(self) -> None:
@@ -62,16 +58,13 @@ class CanopenSide:
             self.outputs.begin()
 
     def step(self) -> None:
-        """One main cycle: the own heartbeat, the partner's, and the health of the bus."""
+        """One main cycle: the partner's heartbeat, and the health of the bus."""
         state = self._machine.state
-        self.producer.step()
-        if self.producer.due and state in COMMUNICATING:
-            self.bus.send(Heartbeat(state))
         self.consumer.step(state)
         failed = self.bus.failed
         self.bus.step()
         if failed and not self.bus.failed and state in COMMUNICATING:  # A-10
-            self.bus.send(Heartbeat(state) if self.producer.period else BootUp())
+            self.bus.send(Heartbeat(state) if self._beats else BootUp())
 
     def partner_heartbeat(self) -> None:
         """A heartbeat of the watched partner, its boot-up included (A-19)."""

@@ -1,30 +1,8 @@
-"""Heartbeats of the gateway: its own, and those of its partner, counted in main cycles (6)."""
+"""Heartbeats of the partner, as the gateway watches them: counted in main cycles (6)."""
 
 from dataclasses import dataclass
 
 from simulators.devices.gateway.model.state import State
-
-
-@dataclass
-class Producer:
-    """Says when the own heartbeat is due."""
-
-    period: int
-    """Main cycles; 0: no heartbeat (429)."""
-    _age: int = 0
-
-    def begin(self) -> None:
-        """The boot-up message was sent: the first heartbeat follows a period later (A-41)."""
-        self._age = 0
-
-    def step(self) -> None:
-        """One main cycle."""
-        self._age = self._age % self.period + 1 if self.period else 0
-
-    @property
-    def due(self) -> bool:
-        """Whether a heartbeat is to be sent in this cycle, if the state allows it."""
-        return 0 < self.period == self._age
 
 
 @dataclass

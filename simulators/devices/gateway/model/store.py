@@ -1,6 +1,7 @@
 """Parameter values of one control unit: as edited, as saved, and as its programme has them."""
 
 from collections.abc import Mapping
+from copy import copy
 
 from simulators.devices.gateway.model.parameters import Parameter
 
@@ -32,6 +33,13 @@ class Store:
         """Begin with what was saved; with the defaults if that is damaged (3099 bit 5)."""
         self._edited = {}
         self._effective = self._defaults if damaged else self._defaults | self.saved
+
+    @property
+    def after_reset(self) -> "Store":
+        """As the next start finds it, if nothing is damaged."""
+        store = copy(self)
+        store.load()
+        return store
 
     def __getitem__(self, number: int) -> int:
         """The value in force of a parameter without decimals."""

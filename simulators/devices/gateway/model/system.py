@@ -8,7 +8,8 @@ from typing import Any
 from simulators.devices.gateway.model import errors
 from simulators.devices.gateway.model.canopen_bus import Message
 from simulators.devices.gateway.model.canopen_errors import error_register
-from simulators.devices.gateway.model.dictionary import Dictionary
+from simulators.devices.gateway.model.configuration import init_parts
+from simulators.devices.gateway.model.dictionary import Dictionary, built
 from simulators.devices.gateway.model.kept import kept, restore
 from simulators.devices.gateway.model.machines import Gateway, Governor, Tables
 from simulators.devices.gateway.model.options import Options
@@ -43,7 +44,7 @@ class System:
         self.link = around.link
         self.governor = Governor(around, tables, options)
         self.gateway = Gateway(around, tables, options)
-        self._time = around.time
+        self._time, self._scaling = around.time, tables.scaling
         self._units: dict[Unit, Governor | Gateway] = {
             Unit.GOVERNOR: self.governor,
             Unit.GATEWAY: self.gateway,
@@ -142,6 +143,12 @@ class System:
         running = self.gateway.programme
         outputs = None if running is None else running.canopen.outputs
         return None if outputs is None else outputs.dictionary
+
+    @property
+    def planned(self) -> Dictionary:
+        """The same for the parameters as saved, whether the gateway would accept it or not."""
+        gateway, governor = self.gateway.store.after_reset, self.governor.store.after_reset
+        return built(init_parts(governor, self._scaling, self.governor.cycle), gateway)
 
     def value(self, index: int, sub: int) -> int:
         """A word of 2000h to 2005h."""
