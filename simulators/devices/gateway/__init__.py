@@ -11,20 +11,16 @@ from simulators.devices.gateway.emergencies import emergencies
 from simulators.devices.gateway.faults import faults
 from simulators.devices.gateway.model.state import MasterCommand
 from simulators.devices.gateway.model.store import Store
-from simulators.devices.gateway.model.timing import (
-    GRID,
-    MILLISECOND,
-    MOST_HEARTBEAT_CYCLES,
-    cycles,
-)
+from simulators.devices.gateway.model.system import System
+from simulators.devices.gateway.model.timing import GRID
 from simulators.devices.gateway.nonvolatile import NonVolatile
 from simulators.devices.gateway.object_dictionary import OWN_NODE, PARTNER, fill, identify, measured
+from simulators.devices.gateway.profile import PROFILE
 from simulators.devices.gateway.report import report
 from simulators.devices.gateway.settings import Settings
 from simulators.devices.gateway.traffic import STATES, Disturbance, Traffic
 from simulators.faults import Fault
 from simulators.objects import Address, Object
-from simulators.profile import Profile
 from simulators.services import Service, State
 from simulators.services.emcy import Emcy
 from simulators.services.pdo import Pdo
@@ -32,17 +28,11 @@ from simulators.slave import Slave
 
 MICROSECOND = 1e-6  # s
 KILOWATT = 1e3  # W
-MAIN_CYCLE = 16 * MILLISECOND  # us, of the gateway (7.2.3)
 COMMANDS = {  # Figure 3
     State.OPERATIONAL: MasterCommand.OPERATIONAL,
     State.STOPPED: MasterCommand.STOP,
     State.PRE_OPERATIONAL: MasterCommand.PRE_OPERATIONAL,
 }
-
-
-def heartbeat_period(milliseconds: int) -> float:
-    """Seconds between two heartbeats: whole main cycles (7.2.3)."""
-    return cycles(milliseconds, MAIN_CYCLE, MOST_HEARTBEAT_CYCLES) * MAIN_CYCLE * MICROSECOND
 
 
 class Device(device.Device):
@@ -52,18 +42,15 @@ class Device(device.Device):
     title = "Heinzmann digital governor behind a CANopen gateway (manual DG 04 005-e / 07-04)"
     settings_type = Settings
     settings: Settings
-    profile = Profile(
-        segmented=False,
-        literal_commands=True,
-        length_before_access=True,
-        heartbeat_period=heartbeat_period,
-    )
+    profile = PROFILE
     cycle = GRID * MICROSECOND
+    system: System
 
     def configure(self, **given: object) -> None:
         """Deliver both units with these settings."""
         super().configure(**given)
         self.disturbance = Disturbance()
+        self._load_step = 0.0
         self._deliver()
 
     def check(self) -> None:
@@ -80,10 +67,15 @@ class Device(device.Device):
     def apply(self) -> None:
         """What surrounds the engine follows at once."""
         settings, governor = self.settings, self.system.governor
-        governor.engine.load = KILOWATT * settings.load
+        governor.engine.load = KILOWATT * (settings.load + self._load_step)
         governor.operation.run = settings.run
         governor.operation.local_setpoint = settings.speed
         governor.operation.droop = settings.droop / 100
+
+    def step_load(self, kilowatts: float) -> None:
+        """Let consumers draw this much beside those of the settings."""
+        self._load_step = kilowatts
+        self.apply()
 
     @property
     def governor(self) -> DcDesk:

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 
 from simulators.devices.gateway.model.machines import Gateway, Governor
 from simulators.devices.gateway.model.system import System
+from simulators.devices.gateway.model.unit import Life
 from simulators.errors import UserError
 from simulators.memory import Memory
 
@@ -46,6 +47,27 @@ class NonVolatile:
             saved = self._memory.load(name).get(PARAMETERS, {})
             given = {int(n): value for n, value in saved.items()} if name in self._saved else {}
             self._system.configure({name: given or self._delivered.get(name, {})})
+
+    def misconfigure(self, content: Mapping[str, Mapping[int, float]]) -> None:
+        """Let the units have other parameters, and restart both.
+
+        Raises:
+            UserError: a parameter that is out of its range.
+        """
+        try:
+            self._system.configure(content)
+        except ValueError as refusal:
+            raise UserError(str(refusal)) from refusal
+        self._restart()
+
+    def put_right(self) -> None:
+        """Let the units have the parameters they should have, and restart both."""
+        self.deliver()
+        self._restart()
+
+    def _restart(self) -> None:
+        if self._system.governor.life is not Life.OFF:
+            self._system.power_on()
 
     def save(self, unit: Governor | Gateway) -> None:
         """Keep the parameters of a unit as they are."""
