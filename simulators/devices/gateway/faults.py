@@ -129,9 +129,7 @@ def _configuration(device: Device) -> Mapping[str, Fault]:
     return {
         "duplicate_identifier": Fault(
             "TPDO5 and TPDO6 are configured with one identifier; both units restart (12412).",
-            lambda: device.nonvolatile.misconfigure(
-                {"governor": {**sent, **also}, "gateway": twice}
-            ),
+            lambda: device.nonvolatile.misconfigure(twice),
             lambda: device.nonvolatile.put_right(),  # noqa: PLW0108 - of the system by then
         ),
         "reserved_identifier": Fault(
