@@ -43,6 +43,13 @@ class Memory:
 
 
 def _read(path: Path) -> dict[str, dict[str, Any]]:
+    try:
+        return _read_or_set_aside(path)
+    except OSError as failure:
+        raise UserError(f"{path}: {failure.strerror}") from failure
+
+
+def _read_or_set_aside(path: Path) -> dict[str, dict[str, Any]]:
     if path.is_dir() or not path.parent.is_dir():
         raise UserError(f"{path}: a memory is a file in a directory that exists")
     if not path.exists():

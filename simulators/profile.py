@@ -30,9 +30,9 @@ class Profile:
     too_short: int = Abort.TOO_SHORT
     """Abort code for less data than the object has room for."""
     transfer_time_out: float = 10.0
-    """Seconds after which a segmented transfer that nobody continues is aborted."""
+    """Seconds after which a transfer that nobody continues is aborted."""
     longest_transfer: int = 4096
-    """Bytes a segmented download of an object without a fixed length may carry."""
+    """Bytes a download of an object without a fixed length may carry."""
     nmt_lengths: Container[int] = DATA_LENGTHS
     """Data lengths with which an NMT command is obeyed."""
     heartbeat_period: Callable[[int], float] = exact_period

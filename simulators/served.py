@@ -99,6 +99,8 @@ class Served(AbstractContextManager["Served"]):
             else:
                 done.put(None)
 
+        if not self._thread.is_alive():
+            raise RuntimeError(f"{self._thread.name} has stopped") from self._bug
         self._orders.put(carry_out)
         if (refusal := done.get(timeout=PATIENCE)) is not None:
             raise refusal

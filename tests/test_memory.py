@@ -75,6 +75,11 @@ def test_a_path_that_can_hold_no_file_is_an_error_of_the_user(tmp_path, name):
         Memory(tmp_path / name)
 
 
+def test_a_file_the_system_refuses_is_an_error_of_the_user_in_its_words(tmp_path):
+    with pytest.raises(UserError, match="File name too long"):
+        Memory(tmp_path / ("x" * 300))
+
+
 def test_a_memory_that_cannot_be_written_is_as_before(path):
     memory = Memory(path)
     memory.store("a", {"one": 1})

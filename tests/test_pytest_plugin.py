@@ -143,6 +143,9 @@ def test_a_bug_in_a_served_twin_fails_the_test(run):
         served._node.device.stage.run = {}.popitem
         with pytest.raises(canopen.SdoCommunicationError):
             node.sdo["Run command"].raw = 1
+        served._thread.join()
+        with pytest.raises(RuntimeError, match="twin topcon has stopped"):
+            served.clear()
     """
     )
     result.assert_outcomes(passed=1, errors=1)

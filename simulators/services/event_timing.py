@@ -59,7 +59,6 @@ class EventTiming:
     def stop(self) -> None:
         """Neither may nor must anything be sent."""
         self._stop_event_timer()
-        self._overdue = False
         if self._inhibit is not None:
             self._inhibit.cancel()
             self._inhibit = None
@@ -70,7 +69,6 @@ class EventTiming:
             self._event_timer = None
 
     def _on_due(self) -> None:
-        self._event_timer = None
         if self.inhibited:
             self._overdue = True
         else:

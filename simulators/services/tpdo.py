@@ -103,7 +103,6 @@ class Tpdo(Pdo):
     def _begin_anew(self) -> None:
         self._syncs = 0
         self._composed = self._sent = None
-        self._timing.stop()
 
     def _compose(self) -> bytes:
         return b"".join([entry.read() for entry in self._entries])

@@ -73,6 +73,13 @@ def test_a_new_sync_identifier_acts_at_once(operational):
     assert operational.send("090#") == [TPDO_2 + "00000000"]
 
 
+@pytest.mark.parametrize("kind", [253, 254, 255])
+def test_other_types_know_no_sync(bench, kind):
+    set_type(bench, 2, kind)
+    bench.send("000#0105")
+    assert [bench.send(SYNC) for _ in range(260)] == [[]] * 260
+
+
 def test_type_0_is_sent_with_the_sync_after_a_change(operational):
     set_type(operational, 2, 0)
     assert [len(operational.send(SYNC)) for _ in range(3)] == [1, 0, 0]
@@ -181,6 +188,18 @@ def test_the_profile_says_whether_a_change_is_an_event(bench_of):
     assert len(bench.send("605#2B00210034120000")) == 1
 
 
+def test_without_changes_as_events_it_is_sent_once_with_operational_all_the_same(bench_of):
+    bench = bench_of(tpdo_on_change=False)
+    assert bench.send("000#0105") == [TPDO_1 + "000000"]
+
+
+def test_a_tpdo_without_times_in_the_dictionary_is_sent_on_change_all_the_same(bench):
+    set_type(bench, 2, 254)
+    bench.send("000#0105")
+    assert bench.send("605#2302200005000000")[1:] == [TPDO_2 + "05000000"]
+    assert bench.run(1.0) == []
+
+
 def test_a_change_while_pdos_are_off_is_sent_with_operational(operational):
     operational.send("000#8005")
     assert len(operational.send("605#2B00210034120000")) == 1
@@ -247,6 +266,22 @@ def test_the_inhibit_time_is_over_with_operational(inhibited):
     assert inhibited.send("000#0105") == [TPDO_1 + "020000"]
 
 
+def test_an_old_inhibit_time_does_not_end_a_new_one(inhibited):
+    inhibited.inject("level", value=1)
+    inhibited.run(0.05)
+    inhibited.send("000#8005")
+    inhibited.send("000#0105")  # sent at 1.05 s
+    inhibited.inject("level", value=2)
+    inhibited.run(1.0)
+    assert times(inhibited, TPDO_1 + "020000") == [1.15]
+
+
+def test_the_inhibit_time_is_over_with_switching_off(inhibited):
+    inhibited.inject("level", value=1)
+    configure(inhibited, "605#2300180185010080")
+    assert inhibited.send("605#2300180185010000")[1:] == [TPDO_1 + "010000"]
+
+
 def test_synchronous_tpdos_have_no_inhibit_time(inhibited):
     set_type(inhibited, 1, 1)
     assert [inhibited.send(SYNC)[0] for _ in range(3)] == [TPDO_1 + "000000"] * 3
@@ -307,6 +342,7 @@ def test_event_time_0_stops_the_timer(operational):
 def test_an_event_timer_is_for_event_driven_tpdos_only(operational, kind):
     set_event_timer(operational, 100)
     set_type(operational, 1, kind)
+    operational.send(SYNC)
     assert operational.run(1.0) == []
     set_type(operational, 1, 255)
     assert operational.run(0.1) == [TPDO_1 + "000000"]
@@ -316,6 +352,15 @@ def test_an_event_timer_that_falls_into_the_inhibit_time_is_sent_at_its_end(inhi
     set_event_timer(inhibited, 70)
     inhibited.run(0.3)
     assert times(inhibited, TPDO_1 + "000000") == [0.0, 1.07, 1.17, 1.27]
+
+
+def test_it_is_sent_then_once_and_not_after_the_next_inhibit_time(inhibited):
+    set_event_timer(inhibited, 70)
+    inhibited.run(0.15)
+    set_event_timer(inhibited, 0)
+    assert inhibited.run(0.2) == [TPDO_1 + "000000"]
+    inhibited.inject("level", value=1)
+    assert inhibited.run(1.0) == []
 
 
 def test_a_tpdo_that_is_switched_off_is_not_sent_any_more(operational):
