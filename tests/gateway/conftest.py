@@ -4,6 +4,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from simulators import Bench
 from simulators.devices.gateway.model.assignment import assignment
 from simulators.devices.gateway.model.machines import Tables
 from simulators.devices.gateway.model.options import Options
@@ -77,3 +78,26 @@ def rig(tables):
 def plain(rig):
     """Build a system without CANopen inputs."""
     return lambda *configurations, **options: rig(PLAIN, *configurations, **options)
+
+
+@pytest.fixture
+def configured(tmp_path):
+    """Build a bench with a booted gateway, node 1, from parameters of both units and settings."""
+
+    def configured(governor=(), gateway=(), **settings):
+        file = tmp_path / "configuration.yaml"
+        units = {"governor": {**PLAIN["governor"], **dict(governor)}, "gateway": dict(gateway)}
+        file.write_text(yaml.safe_dump({"version": 1, **units}))
+        bench = Bench("gateway", config=str(file), **settings)
+        bench.run(0.3)
+        return bench
+
+    return configured
+
+
+@pytest.fixture
+def bench():
+    """A gateway as it is delivered, node 1, booted: all PDOs of the manual's examples."""
+    bench = Bench("gateway")
+    bench.run(0.3)
+    return bench

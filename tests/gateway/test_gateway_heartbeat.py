@@ -1,52 +1,15 @@
-from itertools import pairwise
-
 import pytest
 
-from simulators.devices.gateway.model.canopen_bus import BootUp, Heartbeat
 from simulators.devices.gateway.model.state import MasterCommand, State
 
 OPERATIONAL = MasterCommand.OPERATIONAL
 WATCHING = {"gateway": {428: 127, 430: 100}}
 
 
-def heartbeats(sent):
-    return [(at, message.state) for at, message in sent if isinstance(message, Heartbeat)]
-
-
 def beat(rig, seconds, period=0.09):
     for _ in range(round(seconds / period)):
         rig.system.partner_heartbeat()
         rig.run(period)
-
-
-@pytest.mark.spec("G-110", "G-111")
-def test_the_period_is_a_whole_number_of_gateway_cycles(plain):
-    rig = plain({"gateway": {429: 100}}).on()
-    times = [at for at, _ in heartbeats(rig.run(1.0))]
-    assert times[0] == pytest.approx(220.6 + 96, abs=16)
-    assert [b - a for a, b in pairwise(times)] == [96.0] * (len(times) - 1)
-
-
-@pytest.mark.spec("G-110")
-def test_zero_is_no_heartbeat(plain):
-    assert plain({"gateway": {429: 0}}).on().run(5.0) == []
-
-
-@pytest.mark.spec("G-112", "G-034", "G-015", "G-032", "G-033")
-def test_it_tells_the_state_in_three_states(plain):
-    rig = plain({"gateway": {429: 16}}).on()
-    for command, state in [
-        (MasterCommand.OPERATIONAL, State.OPERATIONAL),
-        (MasterCommand.STOP, State.STOPPED),
-        (MasterCommand.OPERATIONAL, State.OPERATIONAL),
-        (MasterCommand.PRE_OPERATIONAL, State.PRE_OPERATIONAL),
-        (MasterCommand.STOP, State.STOPPED),
-        (MasterCommand.PRE_OPERATIONAL, State.PRE_OPERATIONAL),
-    ]:
-        rig.system.command(command)
-        sent = rig.run(0.04)
-        assert BootUp() not in [message for _, message in sent]
-        assert {told for _, told in heartbeats(sent)} == {state}
 
 
 @pytest.mark.spec("G-113", "G-115", "G-146", "G-165", "G-173")

@@ -1,6 +1,6 @@
 import pytest
 
-from simulators.devices.gateway.model.canopen_bus import BootUp, Heartbeat, TpdoFrame
+from simulators.devices.gateway.model.canopen_bus import BootUp, TpdoFrame
 from simulators.devices.gateway.model.parameters import Unit
 from simulators.devices.gateway.model.state import MasterCommand, State
 from simulators.devices.gateway.model.telegrams import GovernorAlive
@@ -188,14 +188,16 @@ def test_a_slow_link_leads_to_one_boot_up(plain):
 
 
 def test_telegrams_of_the_moment_come_before_the_main_cycle(plain):
-    rig = plain({"governor": {16472: 16, 14401: 0}, "gateway": {429: 16}})
-    for direction in rig.system.link.to.values():
-        direction.delay = 16_000
+    rig = plain()
+    to_gateway = rig.system.link.to[Unit.GATEWAY]
+    to_gateway.delay = 16_000
     rig.system.power_on()
-    rig.run(0.5)
-    rig.system.command(MasterCommand.OPERATIONAL)
-    sent = [message for at, message in rig.run(2.0) if at == 2216.0]
-    assert [type(message) for message in sent] == [TpdoFrame, TpdoFrame, Heartbeat]
+    rig.run(1.69)
+    to_gateway.cut = True  # what is sent last arrives at 1700.375 ms
+    rig.run(0.505)
+    to_gateway.cut = False  # what is sent next arrives at 2216 ms, with a main cycle of the gateway
+    rig.run(0.1)
+    assert rig.word == 0
 
 
 def test_telegrams_do_not_overtake_each_other(plain):
