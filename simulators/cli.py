@@ -110,11 +110,13 @@ def _command(commands: Commands, name: str, text: str, module: str, function: st
 
 def _catalogue(commands: Commands) -> None:
     _command(commands, "list", "print the devices and scenarios there are", "catalogue", "list_all")
+    text = "print the EDS file of a device, or its DCF with the settings that are given"
+    command = _command(commands, "eds", text, "catalogue", "eds")
+    _device_arguments(command)
     for name, text in (
         ("objects", "print the object dictionary of a device"),
         ("settings", "print what can be chosen with --set, and what is assumed"),
         ("faults", "print what can be injected"),
-        ("eds", "print the EDS file of a device"),
     ):
         command = _command(commands, name, text, "catalogue", name)
         command.add_argument("device", metavar="DEVICE", help=DEVICE)
@@ -123,6 +125,15 @@ def _catalogue(commands: Commands) -> None:
 def _run(commands: Commands) -> None:
     text = "run a twin on a CAN bus in real time, until it is stopped or its scenario is over"
     command = _command(commands, "run", text, "run", "run")
+    _device_arguments(command)
+    command.add_argument("--scenario", metavar="SCENARIO", help=SCENARIO)
+    command.add_argument(
+        "--nvram", type=Path, metavar="FILE", help="keep what the device stores in a file"
+    )
+    command.late = _bus_arguments
+
+
+def _device_arguments(command: Parser) -> None:
     command.add_argument("device", metavar="DEVICE", help=DEVICE)
     command.add_argument(
         "-n", "--node-id", type=partial(int, base=0), metavar="ID", help="1..127, or as 0x05"
@@ -130,11 +141,6 @@ def _run(commands: Commands) -> None:
     command.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", help="see `settings DEVICE`"
     )
-    command.add_argument("--scenario", metavar="SCENARIO", help=SCENARIO)
-    command.add_argument(
-        "--nvram", type=Path, metavar="FILE", help="keep what the device stores in a file"
-    )
-    command.late = _bus_arguments
 
 
 def _bus_arguments(command: argparse.ArgumentParser) -> None:

@@ -11,6 +11,7 @@ import can
 from can.cli import create_bus_from_namespace
 
 from simulators import devices, replay
+from simulators.commands.chosen import chosen
 from simulators.commands.lock import held
 from simulators.commands.scenarios import load
 from simulators.device import Device
@@ -79,20 +80,10 @@ def _delivered(name: str, scenario: replay.Scenario | None) -> Mapping[str, obje
 
 
 def _device(options: argparse.Namespace, delivered: Mapping[str, object]) -> Device:
-    settings = {**delivered, **dict(_pair(text) for text in options.set)}
-    if options.node_id is not None:
-        settings["node_id"] = options.node_id
-    device = devices.create(options.device, **settings)
+    device = devices.create(options.device, **{**delivered, **chosen(options)})
     if options.nvram is not None:
         device.memory = Memory(options.nvram)
     return device
-
-
-def _pair(text: str) -> tuple[str, str]:
-    key, equals, value = text.partition("=")
-    if not equals:
-        raise UserError(f"--set {text}: write it as KEY=VALUE")
-    return key, value
 
 
 def _bus(options: argparse.Namespace) -> can.BusABC:
