@@ -8,6 +8,7 @@ from simulators.devices.gateway.model.system import System
 from simulators.services.emcy import FIELD_LENGTH, Emcy
 
 HEARTBEAT, COMMUNICATION, VOLTAGE, SOFTWARE = 0x8130, 0x8100, 0x3100, 0x6100
+GENERIC = 1  # bit of 0x1001
 SOFTWARE_ERRORS = errors.bits(range(errors.PARAM_STORE, errors.INTERN + 1)) & ~errors.bit(
     errors.VOLTAGE
 )
@@ -27,7 +28,7 @@ def emergencies(system: System, node_id: int) -> Sequence[Emcy]:
         VOLTAGE: present & errors.bit(errors.VOLTAGE),
         SOFTWARE: present & SOFTWARE_ERRORS,
     }
-    register = system.error_register
+    register = system.error_register | GENERIC  # before 3074 has followed, too
     return [Emcy(code, register, content, LABELS[code]) for code, bits in found.items() if bits]
 
 

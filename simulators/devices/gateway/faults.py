@@ -10,7 +10,7 @@ from simulators.devices.gateway.model.link import Direction
 from simulators.devices.gateway.model.parameters import Unit
 from simulators.devices.gateway.model.system import Buffer
 from simulators.devices.gateway.model.timing import MILLISECOND
-from simulators.devices.gateway.unit_faults import one_of
+from simulators.devices.gateway.unit_faults import one_of, positive
 from simulators.errors import UserError
 from simulators.faults import Fault, Parameter
 
@@ -66,7 +66,7 @@ def _link(device: Device) -> Mapping[str, Fault]:
         ),
         "link_drop": Fault(
             "The next telegrams between the units are lost.",
-            lambda count, direction: each(direction, drop=_positive("count", count)),
+            lambda count, direction: each(direction, drop=int(positive("count", count))),
             lambda count, direction: each(direction, drop=0),
             {"count": Parameter("how many", 1, int), **DIRECTION},
         ),
@@ -158,7 +158,7 @@ def _engine(device: Device) -> Mapping[str, Fault]:
         ),
         "overspeed": Fault(
             "The engine is too fast for a moment: stopped until the errors are cleared (3004).",
-            lambda rpm: setattr(device.system.governor.engine, "speed", _positive("rpm", rpm)),
+            lambda rpm: setattr(device.system.governor.engine, "speed", positive("rpm", rpm)),
             parameters={"rpm": Parameter("how fast; above 1725 rpm it is stopped", 1750, int)},
         ),
     }
@@ -171,10 +171,4 @@ def _delay(milliseconds: int) -> int:
 def _within(known: range, what: str, number: int) -> int:
     if number not in known:
         raise UserError(f"{what} {number} is not in {known[0]}..{known[-1]}")
-    return number
-
-
-def _positive(what: str, number: int) -> int:
-    if number <= 0:
-        raise UserError(f"{what} {number} is not above 0")
     return number

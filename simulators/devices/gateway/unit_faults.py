@@ -57,6 +57,17 @@ def one_of(known: Collection[str], what: str, word: str) -> str:
     return word
 
 
+def positive(what: str, number: float) -> float:
+    """A number above 0.
+
+    Raises:
+        UserError: it is not.
+    """
+    if number <= 0:
+        raise UserError(f"{what} {number:g} is not above 0")
+    return number
+
+
 def for_units(
     device: Device,
     text: str,
@@ -83,7 +94,7 @@ def for_units(
 
 def _life(device: Device) -> Mapping[str, Fault]:
     def be_late(seconds: float) -> None:
-        device.system.governor.boot_time = microseconds(round(seconds, 3))
+        device.system.governor.boot_time = microseconds(round(positive("seconds", seconds), 3))
         restart(device.system.governor)
 
     def be_in_time() -> None:
