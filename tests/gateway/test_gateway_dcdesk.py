@@ -1,3 +1,5 @@
+from shutil import rmtree
+
 import pytest
 
 from simulators import Bench, UserError
@@ -135,7 +137,7 @@ def test_a_memory_that_cannot_be_written_is_reported(bench, caplog, tmp_path):
     bench.device.memory = Memory(folder / "memory.json")
     bench.power_on()
     bench.run(0.5)
-    folder.rmdir()
+    rmtree(folder)
     bench.device.gateway.save()
     assert "the memory cannot be written: " in caplog.text
 

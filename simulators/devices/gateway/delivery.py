@@ -1,7 +1,8 @@
 """How a governor and its gateway are delivered: tables of od/, settings, and a configuration."""
 
 import csv
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -54,11 +55,20 @@ def configuration(settings: Settings) -> Content:
     Raises:
         UserError: with a line for everything that is wrong with the file.
     """
-    file = Path(settings.config) if settings.config else None
-    content = read_configuration(file, _parameters()) if file else {}
+    content: Content = {}
+    if settings.config:
+        with _found(settings.config) as file:
+            content = read_configuration(file, _parameters())
     if settings.node_id is None:
         return content
     return {**content, "gateway": {**content.get("gateway", {}), OWN_NODE: settings.node_id}}
+
+
+@contextmanager
+def _found(name: str) -> Iterator[Path]:
+    """A file, or one of od/ by its name."""
+    with od_file(name) as shipped:
+        yield shipped if shipped.exists() and not Path(name).exists() else Path(name)
 
 
 @cache

@@ -29,7 +29,9 @@ def emergencies(system: System, node_id: int) -> Sequence[Emcy]:
         SOFTWARE: present & SOFTWARE_ERRORS,
     }
     register = system.error_register | GENERIC  # before 3074 has followed, too
-    return [Emcy(code, register, content, LABELS[code]) for code, bits in found.items() if bits]
+    return tuple(
+        Emcy(code, register, content, LABELS[code]) for code, bits in found.items() if bits
+    )
 
 
 def _sent(system: System) -> list[int]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from simulators.devices.gateway import bootloader_faults, unit_faults
+from simulators.devices.gateway import bootloader_faults, error_faults, unit_faults
 from simulators.devices.gateway.model.link import Direction
 from simulators.devices.gateway.model.parameters import Unit
 from simulators.devices.gateway.model.system import Buffer
@@ -37,6 +37,7 @@ def faults(device: Device) -> Mapping[str, Fault]:
     """
     return {
         **unit_faults.faults(device),
+        **error_faults.faults(device),
         **bootloader_faults.faults(device),
         **_link(device),
         **_canopen(device),

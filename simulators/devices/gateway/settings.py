@@ -15,7 +15,9 @@ class Settings:
         None, "427 of the gateway as delivered, before that of the configuration", low=1, high=127
     )
     config: str = setting(
-        "", "YAML file with parameters of both units, as delivered; what DcDesk has saved wins"
+        "",
+        "YAML file with parameters of both units, or the name of one that is shipped; what DcDesk"
+        " has saved wins",
     )
 
     # what the manual leaves to other manuals

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from typing import TYPE_CHECKING, Any
 
-from simulators.devices.gateway.model.bootloader import Finding
-from simulators.devices.gateway.model.errors import INTERN
 from simulators.devices.gateway.model.machines import Gateway, Governor
 from simulators.devices.gateway.model.timing import microseconds
 from simulators.devices.gateway.model.unit import POWER_SUPPLY, Life
@@ -24,26 +22,13 @@ UNITS: Mapping[str, Callable[[Device], tuple[ControlUnit, ...]]] = {
     "governor": lambda device: (device.system.governor,),
     "both": lambda device: (device.system.governor, device.system.gateway),
 }
-FLASH_ERRORS = (3075, 3079)  # 9.3.2: the bootloader's own
-OTHERWISE = {  # errors with a cause that is a fault of its own
-    3070: "can1_bus_fault",
-    3071: "duplicate_number",
-    3072: "can2_bus_fault",
-    3073: "can2_receive_overflow",
-    3074: "reserved_identifier",
-    3076: "bootloader",
-    3078: "bootloader",
-    3085: "supply",
-    3087: "bootloader",
-    3089: "watchdog",
-}
 BUFFERS = {"receive": "receive_overflow", "transmit": "transmit_overflow"}
 NORMAL_SUPPLY = 24  # V
 
 
 def faults(device: Device) -> Mapping[str, Fault]:
     """Those of the hardware and the programme; each says of which unit."""
-    return {**_life(device), **_errors(device), **_plug(device)}
+    return {**_life(device), **_plug(device)}
 
 
 def one_of(known: Collection[str], what: str, word: str) -> str:
@@ -121,44 +106,6 @@ def _life(device: Device) -> Mapping[str, Fault]:
             lambda unit: unit.desk.clear_errors(),
         ),
     }
-
-
-def _errors(device: Device) -> Mapping[str, Fault]:
-    def mend(unit: ControlUnit) -> None:
-        for number in unit.inner_faults:
-            unit.mend(number)
-        hand_on(unit)
-
-    return {
-        "error": for_units(
-            device,
-            "An error from 3000 upward has a cause within the unit, until it is cleared.",
-            _fail,
-            mend,
-            {"number": Parameter("3001..3094", 3094, int)},
-        ),
-        "exception": for_units(
-            device,
-            "The programme runs into an exception (3094, told by 3195 to 3198).",
-            lambda unit, number, address, flags: unit.break_off(number, address, flags),
-            lambda unit: unit.mend(INTERN),
-            {
-                "number": Parameter("1 AND, 2 INTO, 3 watchdog", 1, int),
-                "address": Parameter("where", 0, int),
-                "flags": Parameter("of the processor", 0, int),
-            },
-        ),
-    }
-
-
-def _fail(unit: ControlUnit, number: int) -> None:
-    if number in FLASH_ERRORS:
-        unit.bootloader.finding = Finding(number)
-        restart(unit)
-    elif number in unit.inner_faults or number not in OTHERWISE:
-        unit.fail(number)
-    else:
-        raise UserError(f"error {number} comes by the fault {OTHERWISE[number]!r}")
 
 
 def _plug(device: Device) -> Mapping[str, Fault]:
