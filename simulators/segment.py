@@ -37,6 +37,7 @@ class Segment:
         self.listeners: list[Listener] = []
         self._outbox: Outbox = deque()
         self._foreign = Wire(self.clock, self._outbox)
+        self._touched: list[Node] = []
 
     def node(self, device: Device, name: str) -> Node:
         """Connect a device by a name of its own, with its power off.
@@ -59,8 +60,19 @@ class Segment:
         """
         return Wire(self.clock, self._outbox, name)
 
+    def touch(self, node: Node) -> None:
+        """Somebody holds the device of a node in his hands: see to it before anything else."""
+        self._touched.append(node)
+
+    def _see_to_touched(self) -> None:
+        while self._touched:
+            with self._touched.pop().acting():
+                pass
+            self.deliver()
+
     def send(self, frame: Frame) -> None:
         """Put a frame on the bus that comes from outside; the answers are out after."""
+        self._see_to_touched()
         self._foreign.put(frame)
         self.deliver()
 
@@ -87,4 +99,5 @@ class Segment:
 
     def advance_to(self, time: float) -> None:
         """Let time pass up to a moment."""
+        self._see_to_touched()
         self.clock.advance_to(time, self.deliver)

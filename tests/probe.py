@@ -29,6 +29,7 @@ class Probe(Device):
     rest = inf
     online = True
     emergencies = ()
+    nmt_state = None
 
     def __init__(self, node_id=5, **profile):
         super().__init__(node_id=node_id)

@@ -1,6 +1,7 @@
 import os
 import re
 import shlex
+import shutil
 import socket
 import subprocess
 import sys
@@ -10,7 +11,7 @@ from textwrap import dedent
 import pytest
 import yaml
 
-from simulators import replay
+from simulators import replay, vcan
 from simulators.cli import parser
 
 DOCS = Path(__file__).parent.parent / "docs"
@@ -39,7 +40,8 @@ def jobs():
 
 JOBS = {name: (environment, script) for name, environment, script in jobs()}
 ON_A_HUB = [name for name in JOBS if name.endswith("twin-on-a-hub")]
-AT_THE_END = "trap 'kill $(jobs -p)' EXIT\n"
+AT_THE_END = "trap 'kill $(jobs -p) 2>/dev/null || true' EXIT\n"
+ON_VCAN = [name for name in JOBS if name.endswith("twin-on-vcan0")]
 INSTALLING = re.compile(r"(pip|apt-get|sudo) ")
 
 
@@ -87,6 +89,20 @@ def test_a_job_with_a_hub_does_what_it_says(job, checkout, port):
     lines = [line for line in script.splitlines() if not INSTALLING.match(line)]
     assert len(lines) == len(script.splitlines()) - 1  # all but what is installed already
     done = carried_out("\n".join(lines), checkout, port, **told)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "1 passed" in done.stdout
+
+
+@pytest.mark.skipif(
+    shutil.which("linux.uml") is None and not vcan.is_up(),
+    reason="needs a vcan0, or user-mode-linux, iproute2 and kmod",
+)
+@pytest.mark.parametrize("job", ON_VCAN)
+def test_a_job_on_vcan0_does_what_it_says(job, checkout):
+    told, script = JOBS[job]
+    lines = [line for line in script.splitlines() if not INSTALLING.match(line)]
+    assert lines == ["canopen-twin vcan -- sh -eu ci/master.sh"]
+    done = carried_out(lines[0], checkout, PORT, **told)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "1 passed" in done.stdout
 

@@ -1,4 +1,5 @@
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -78,3 +79,21 @@ def test_where_vcan0_is_up_the_command_just_runs(capfd):
     assert process.run(["sleep", "1000"], limit=0.1) == 124
     assert process.run(["no-such-command"], limit=1.0) == 127
     assert capfd.readouterr() == ("here\n", "stopped after 0.1 s\nno-such-command: not found\n")
+
+
+@boots
+def test_the_how_to_prints_what_it_says(tmp_path):
+    page = (Path(__file__).parents[1] / "docs/how-to/run-on-vcan.md").read_text("utf-8")
+    name, script = re.search(r"```python file=(\S+)\n(.*?)```", page, re.DOTALL).groups()
+    (tmp_path / name).write_text(script, "utf-8")
+    command = re.search(r"^canopen-twin vcan -- python (.*)$", page, re.MULTILINE)[1]
+    done = subprocess.run(
+        [*VCAN, "--", sys.executable, *command.split()],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(Path.cwd())},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert f"This prints `{done.stdout.strip()}`" in page

@@ -5,13 +5,12 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from simulators import devices, replay
+from simulators.commands.chosen import chosen
 from simulators.device import Device
 from simulators.errors import UserError
 from simulators.memory import Memory
 
-OF_ONE_DEVICE = {"node_id": "--node-id", "set": "--set", "scenario": "--scenario"} | {
-    "nvram": "--nvram"
-}
+OF_ONE_DEVICE = ("node-id", "set", "scenario", "nvram")
 
 
 def cast(options: argparse.Namespace, scenario: replay.Scenario | None) -> dict[str, Device]:
@@ -22,9 +21,9 @@ def cast(options: argparse.Namespace, scenario: replay.Scenario | None) -> dict[
     """
     if not _is_file(options.device):
         return {options.device: _device(options, _delivered(options.device, scenario))}
-    for key, option in OF_ONE_DEVICE.items():
-        if getattr(options, key):
-            raise UserError(f"{options.device} says all about its nodes: leave {option} out")
+    for name in OF_ONE_DEVICE:
+        if getattr(options, name.replace("-", "_")):
+            raise UserError(f"{options.device} says all about its nodes: leave --{name} out")
     bench = replay.load_bench(Path(options.device))
     return {name: spec.create() for name, spec in bench.items()}
 
@@ -47,17 +46,7 @@ def _delivered(name: str, scenario: replay.Scenario | None) -> Mapping[str, obje
 
 
 def _device(options: argparse.Namespace, delivered: Mapping[str, object]) -> Device:
-    settings = {**delivered, **dict(_pair(text) for text in options.set)}
-    if options.node_id is not None:
-        settings["node_id"] = options.node_id
-    device = devices.create(options.device, **settings)
+    device = devices.create(options.device, **{**delivered, **chosen(options)})
     if options.nvram is not None:
         device.memory = Memory(options.nvram)
     return device
-
-
-def _pair(text: str) -> tuple[str, str]:
-    key, equals, value = text.partition("=")
-    if not equals:
-        raise UserError(f"--set {text}: write it as KEY=VALUE")
-    return key, value

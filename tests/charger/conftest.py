@@ -1,5 +1,6 @@
 import pytest
 import yaml
+from charger_bus import release
 
 from simulators import Bench
 from simulators.devices.charger.model.catalogue import read_catalogue
@@ -9,8 +10,6 @@ from simulators.devices.charger.model.release import Source
 from simulators.devices.charger.model.types import PCSC, Build, Variant
 from simulators.devices.charger.object_table import factory
 from simulators.resources import od_file
-
-from .bus import release
 
 
 @pytest.fixture(scope="session")

@@ -1,8 +1,7 @@
 import pytest
+from charger_bus import put, release, value
 
 from simulators import Bench, devices
-
-from .bus import put, release, value
 
 
 @pytest.mark.spec("C-162", "C-165", "C-181", "C-182", "C-183", "A-65")

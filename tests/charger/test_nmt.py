@@ -1,8 +1,5 @@
 import pytest
-
-from simulators import Bench
-
-from .bus import (
+from charger_bus import (
     ENTER_PREOP,
     RESET_COMMUNICATION,
     RESET_NODE,
@@ -15,6 +12,8 @@ from .bus import (
     status,
     value,
 )
+
+from simulators import Bench
 
 BEAT = {START: "763#05", STOP: "763#04", ENTER_PREOP: "763#7F"}
 

@@ -1,8 +1,18 @@
 import pytest
+from charger_bus import (
+    ENTER_PREOP,
+    LOCKED,
+    RELEASED,
+    START,
+    STOP,
+    put,
+    refused,
+    release,
+    status,
+    value,
+)
 
 from simulators import Bench
-
-from .bus import ENTER_PREOP, LOCKED, RELEASED, START, STOP, put, refused, release, status, value
 
 IDLE = ["1E3#0000000000000000", "2E3#0000000000000300", "3E3#0000000000000000"]
 AT_20_KV = ["1E3#2943282800000000", "2E3#204ED00790010300", "3E3#0000000000000000"]

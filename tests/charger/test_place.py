@@ -1,9 +1,6 @@
 import pytest
 from canopen.lss import LssError
-
-from simulators import Bench
-
-from .bus import (
+from charger_bus import (
     CONFIGURE,
     INQUIRE_NODE_ID,
     RESET_COMMUNICATION,
@@ -16,6 +13,8 @@ from .bus import (
     restart,
     value,
 )
+
+from simulators import Bench
 
 STORE = "7E5#1700000000000000"
 BOOTED_AS_42 = ["72A#00"]

@@ -1,8 +1,7 @@
 import pytest
+from charger_bus import START, aborted, put, release, status, value
 
 from simulators import Bench
-
-from .bus import START, aborted, put, release, status, value
 
 
 def command(bench, byte):

@@ -1,11 +1,7 @@
 import logging
 
 import pytest
-
-from simulators import Bench, devices
-from simulators.memory import Memory
-
-from .bus import (
+from charger_bus import (
     LOAD,
     LOADED,
     RESET_COMMUNICATION,
@@ -20,6 +16,9 @@ from .bus import (
     status,
     value,
 )
+
+from simulators import Bench, devices
+from simulators.memory import Memory
 
 OTHERS = {  # a value for every entry of 0x2002 that is kept, in an order in which each is legal
     0x01: 700,

@@ -2,10 +2,9 @@ import logging
 
 import pytest
 import yaml
+from charger_bus import START, put, release, status, value
 
 from simulators import Bench, UserError
-
-from .bus import START, put, release, status, value
 
 
 @pytest.mark.spec("C-111", "C-156", "A-71")

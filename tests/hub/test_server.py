@@ -85,8 +85,9 @@ def test_python_can_gets_on_a_bus_where_there_is_no_pause(ours, stock):
     noisy, stop = ours(), Event()
 
     def shout():
-        while not stop.is_set():
-            noisy.send(message("123#0102030405060708"))
+        while not stop.wait(0.001):  # as much as 1 Mbit/s has room for
+            for _ in range(8):
+                noisy.send(message("123#0102030405060708"))
 
     thread = Thread(target=shout)
     thread.start()
@@ -162,12 +163,12 @@ def test_a_client_that_does_not_read_why_is_forgotten(call, monkeypatch, caplog)
         noisy.say("".join(said) + "< echo >")
         assert noisy.hear() == "< echo >"
 
-    hub_is_through(12_000 * "< send 123 8 1 2 3 4 5 6 7 8 >")  # less than the hub keeps
+    hub_is_through(20_000 * "< send 123 8 1 2 3 4 5 6 7 8 >")  # less than the hub keeps
     dead.say("nonsense")
     while f"{Address(*dead.socket.getsockname())} has gone" not in caplog.text:
         hub_is_through()
     everything = b"".join(iter(lambda: dead.read(1 << 16), b""))
-    assert not everything.endswith(b" >")
+    assert b"error" not in everything
 
 
 def test_a_client_that_is_gone_at_once_leaves_no_trace(call, ours):

@@ -36,6 +36,7 @@ class Machine:
         self.messages = Messages(catalogue)
         self.hours = Hours()
         self._touched = True  # something was done since the last tick, or came of it
+        self._next = 0  # tick at which something changes by itself, unless it is touched before
 
     @property
     def charging_active(self) -> bool:
@@ -111,8 +112,10 @@ class Machine:
     @property
     def _quiet(self) -> int:
         """Ticks until something changes by itself."""
-        if self._touched:
-            return 1
+        return 1 if self._touched else self._next - self.now
+
+    def _look_ahead(self) -> int:
+        """The same, worked out anew; it holds until then, as long as nobody acts."""
         now, charging, discharging = self.now, self.charging_active, self.discharging_active
         return min(
             self.release.quiet(now, self.parameters[Parameter.RELEASE_TIMEOUT]),
@@ -134,6 +137,8 @@ class Machine:
         self.messages.judge(self.now, self.situation)
         self._react()
         self._touched = self._state != before
+        if not self._touched:
+            self._next = self.now + self._look_ahead()
 
     def _obey(self) -> None:
         """Timeout and analog setpoint; keys and masters have had their say before."""

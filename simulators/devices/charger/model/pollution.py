@@ -36,6 +36,8 @@ class Resistance:
     def add(self, ticks: int, voltage: int, current: int) -> None:
         """Take the same sample `ticks` times over, in V and uA."""
         same = bool(self._samples) and self._samples[-1] == (voltage, current)
+        if same and self._same >= WINDOW:
+            return
         self._same = (self._same if same else 0) + ticks
         for _ in range(min(ticks, WINDOW)):
             if len(self._samples) == WINDOW:
