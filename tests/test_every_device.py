@@ -133,9 +133,9 @@ def test_at_rest_it_costs_nothing(bench):
     steps = []
     step = bench.device.step
     bench.device.step = lambda dt: (steps.append(dt), step(dt))
-    bench.run(3600.0)
-    assert sum(steps) <= 3600.0 + bench.device.cycle
-    assert len(steps) < 3600 / bench.device.cycle
+    bench.run(600.0)
+    assert sum(steps) <= 600.0 + bench.device.cycle
+    assert len(steps) < 600 / bench.device.cycle
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda path: str(path.relative_to(DEVICES)))

@@ -111,6 +111,16 @@ def test_what_dcdesk_has_saved_comes_before_the_configuration(configured):
     assert (read(bench, 0x1017), bench.device.gateway[428]) == (1000, 9)
 
 
+def test_that_holds_even_if_it_is_as_from_the_factory(configured):
+    bench = configured(gateway={429: 200})
+    bench.device.gateway[429] = 1000
+    bench.device.gateway.save()
+    bench.power_off()
+    bench.power_on()
+    bench.run(0.5)
+    assert read(bench, 0x1017) == 1000
+
+
 def test_without_it_the_configuration_of_the_moment_holds(configured, tmp_path):
     bench = configured(gateway={429: 200})
     bench.inject("supply")  # counted, so that the memory has something

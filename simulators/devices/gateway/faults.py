@@ -41,6 +41,7 @@ def faults(device: Device) -> Mapping[str, Fault]:
         **bootloader_faults.faults(device),
         **_link(device),
         **_canopen(device),
+        **_rpdos(device),
         **_configuration(device),
         **_engine(device),
     }
@@ -75,15 +76,6 @@ def _link(device: Device) -> Mapping[str, Fault]:
 
 
 def _canopen(device: Device) -> Mapping[str, Fault]:
-    def lose(number: int) -> None:
-        device.disturbance.lost.add(_within(RPDOS, "number", number))
-
-    def find(number: int) -> None:
-        device.disturbance.lost.discard(number)
-
-    def flag(channel: int) -> int:
-        return 1 << (_within(CHANNELS, "channel", channel) - 1)
-
     overflows = {
         "can1_receive_overflow": (Buffer.CAN1_RECEIVE, "3071 and 12422 in the gateway"),
         "can2_receive_overflow": (Buffer.CAN2_RECEIVE, "3073 and 12424: initialised again"),
@@ -101,6 +93,23 @@ def _canopen(device: Device) -> Mapping[str, Fault]:
             lambda: setattr(device.disturbance, "partner", True),
             lambda: setattr(device.disturbance, "partner", False),
         ),
+    }
+
+
+def _rpdos(device: Device) -> Mapping[str, Fault]:
+    def lose(number: int) -> None:
+        device.disturbance.lost.add(_within(RPDOS, "number", number))
+
+    def find(number: int) -> None:
+        device.disturbance.lost.discard(number)
+
+    def flag(channel: int) -> None:
+        device.disturbance.flags = 1 << (_within(CHANNELS, "channel", channel) - 1)
+
+    def unflag(channel: int) -> None:
+        device.disturbance.flags = 0
+
+    return {
         "rpdo_lost": Fault(
             "An RPDO does not arrive (12413 if it is monitored).",
             lose,
@@ -109,8 +118,8 @@ def _canopen(device: Device) -> Mapping[str, Fault]:
         ),
         "sensor_flag": Fault(
             "The flag of a sensor is set in word 3 of RPDO1 (its error 3005 onward).",
-            lambda channel: setattr(device.disturbance, "flags", flag(channel)),
-            lambda channel: setattr(device.disturbance, "flags", 0),
+            flag,
+            unflag,
             {"channel": Parameter("1..12", 1, int)},
         ),
     }

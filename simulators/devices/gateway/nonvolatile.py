@@ -44,9 +44,13 @@ class NonVolatile:
         for unit in (self._system.governor, self._system.gateway):
             name = unit.which.value
             unit.store.saved = {}
-            saved = self._memory.load(name).get(PARAMETERS, {})
-            given = {int(n): value for n, value in saved.items()} if name in self._saved else {}
-            self._system.configure({name: given or self._delivered.get(name, {})})
+            self._system.configure({name: self._parameters(name)})
+
+    def _parameters(self, name: str) -> Mapping[int, float]:
+        if name not in self._saved:
+            return self._delivered.get(name, {})
+        saved: Mapping[str, float] = self._memory.load(name)[PARAMETERS]
+        return {int(number): value for number, value in saved.items()}
 
     def misconfigure(self, content: Mapping[str, Mapping[int, float]]) -> None:
         """Let the units have other parameters, and restart both.

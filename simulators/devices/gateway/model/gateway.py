@@ -41,6 +41,7 @@ from simulators.devices.gateway.model.unit import ControlUnit
 
 NUMBERS = Numbers(partner=402, enable=4400)  # 7.2.1
 FATAL = errors.bits(errors.FATAL)
+CANOPEN_BUS_ERROR = errors.bit(errors.CAN_BUS_2)
 
 
 class GatewayProgramme(Programme):
@@ -72,7 +73,7 @@ class GatewayProgramme(Programme):
     @property
     def causes(self) -> int:
         """What is wrong at this moment: the CANopen bus as well."""
-        return super().causes | errors.bit(errors.CAN_BUS_2) * self.canopen.bus.failed
+        return super().causes | CANOPEN_BUS_ERROR * self.canopen.bus.failed
 
     @property
     def _ready(self) -> bool:

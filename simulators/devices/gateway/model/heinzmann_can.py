@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from simulators.devices.gateway.model.unit import ControlUnit
 
 SHOWN = (2401, 2402, 2403, 2404, 2410, 2411)
+BUS_ERROR, COMMUNICATION_ERROR = errors.bit(errors.CAN_BUS_1), errors.bit(errors.CAN_COMM_1)
 SILENCE = 500 * MILLISECOND  # A-24: longer than a reset takes
 
 
@@ -91,8 +92,7 @@ class HeinzmannCan:
         """3070 and 3071, as far as this interface is the reason; bit k is error 3000+k."""
         wiring = self._wiring
         content = wiring.transmit_overflow or wiring.receive_overflow or wiring.duplicate
-        communication = errors.bit(errors.CAN_COMM_1) * (self.silent or content)
-        return errors.bit(errors.CAN_BUS_1) * self.bus_fault | communication
+        return BUS_ERROR * self.bus_fault | COMMUNICATION_ERROR * (content or self.silent)
 
     def shows(self, number: int) -> int:
         """One of the parameters 2401 to 2404, 2410 and 2411: bit n stands for device n (7.2.1)."""

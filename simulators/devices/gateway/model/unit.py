@@ -21,6 +21,7 @@ from simulators.devices.gateway.model.timing import Time, microseconds
 P = TypeVar("P", bound=Programme)
 
 POWER_SUPPLY = 3600
+VOLTAGE_ERROR = errors.bit(errors.VOLTAGE)
 
 
 class Life(Enum):
@@ -125,7 +126,7 @@ class ControlUnit(ABC, Generic[P]):
     def causes(self) -> int:
         """What is wrong within the unit itself; bit k is error 3000+k."""
         low = self.shown[POWER_SUPPLY] < self._lowest_voltage
-        return self._failing | errors.bit(errors.VOLTAGE) * low
+        return self._failing | VOLTAGE_ERROR * low
 
     def fail(self, number: int) -> None:
         """Let an inner error have a cause from now on.
