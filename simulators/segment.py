@@ -4,6 +4,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import NamedTuple
 
+from simulators import mischief
 from simulators.clock import Clock
 from simulators.device import Device
 from simulators.errors import UserError
@@ -48,6 +49,7 @@ class Segment:
             if other.device.node_id == device.node_id:
                 raise UserError(f"two nodes with node id {device.node_id} on one bus")
         node = Node(device, self.clock, self._outbox, name)
+        node.faults = mischief.faults(node, self.nodes)
         self.nodes.append(node)
         return node
 
