@@ -81,11 +81,11 @@ class Node:
 
     def receive(self, frame: Frame) -> None:
         """Take a frame from the bus; what the node sends is in the outbox afterwards."""
-        stack = self._stack
-        if stack is None or frame.extended or self.wire.shut:
+        stack, wire = self._stack, self.wire
+        if stack is None or frame.extended or wire.shut:
             return
-        if self.wire.incoming:
-            through(self.wire.incoming, frame, self._take)
+        if wire.incoming:
+            through(wire.incoming, frame, self._take)
         elif handlers := stack.routes.get((frame.can_id, frame.remote)):
             self._act_on(frame, handlers)
 

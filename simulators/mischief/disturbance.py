@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from enum import IntEnum
 from functools import partial
 
 from simulators.clock import Scope
@@ -11,7 +12,7 @@ from simulators.faults import Fault, Parameter
 from simulators.mischief.effects import Effect
 from simulators.mischief.turn import Turn
 from simulators.node import Node
-from simulators.wire import Frame, Onward
+from simulators.wire import Filter, Frame, Onward
 
 Fits = Callable[[Node, Frame], bool]
 
@@ -22,6 +23,14 @@ class Place:
 
     node: Node
     nodes: list[Node]
+
+
+class Side(IntEnum):
+    """Where between the device and the bus a filter stands."""
+
+    DEVICE = 0
+    PROTOCOL = 1
+    LINE = 2
 
 
 class Disturbance:
@@ -45,9 +54,14 @@ class Disturbance:
 
 
 class Filtering(Disturbance):
-    """Strikes some of the frames that the node sends, or hears."""
+    """Strikes some of the frames that the node sends, or hears.
+
+    The line is nearer to the bus than the protocol; what answers instead of the device is nearest
+    to it. So it does not matter in which order they are injected.
+    """
 
     both_ways = False
+    side = Side.PROTOCOL
 
     def __init__(self, node: Node, fits: Fits, effect: Effect, turn: Turn) -> None:
         super().__init__(node)
@@ -65,19 +79,21 @@ class Filtering(Disturbance):
     def start(self) -> None:
         """Stand in the way."""
         self._running = True
-        self.node.wire.outgoing.append(self.filter)
+        self.node.wire.outgoing.append(self)
+        self.node.wire.outgoing.sort(key=_side)
         if self.both_ways:
-            self.node.wire.incoming.append(self.filter)
+            self.node.wire.incoming.append(self)
+            self.node.wire.incoming.sort(key=_side, reverse=True)
 
     def stop(self) -> None:
         """Get out of the way."""
         super().stop()
         self._running = False
-        self.node.wire.outgoing.remove(self.filter)
+        self.node.wire.outgoing.remove(self)
         if self.both_ways:
-            self.node.wire.incoming.remove(self.filter)
+            self.node.wire.incoming.remove(self)
 
-    def filter(self, frame: Frame, onward: Onward) -> None:
+    def __call__(self, frame: Frame, onward: Onward) -> None:
         """Strike, or let pass; a frame that was held back elsewhere may come when it has ended."""
         if self._running and self._fits(self.node, frame) and self._turn.strikes():
             self.strike(frame, onward)
@@ -96,6 +112,10 @@ class Filtering(Disturbance):
     def _release(self, frame: Frame, onward: Onward) -> None:
         self._held -= 1
         onward(frame)
+
+
+def _side(filter: Filter) -> Side:
+    return getattr(filter, "side", Side.PROTOCOL)
 
 
 @dataclass(frozen=True)

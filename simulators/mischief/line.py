@@ -9,6 +9,7 @@ from simulators.mischief.line_filters import (
     BusOff,
     LineFilter,
     Load,
+    Repeating,
     Swapped,
     anything,
     looks_like,
@@ -72,7 +73,7 @@ LINE: Mapping[str, Kind] = {
         "The node is error passive: all it sends has to be repeated and comes late, in order.",
         "Irregular cycles of one node; EMCY 0x8120 if the device knows it (compose: emcy_storm).",
         {"seconds": Parameter("at most by how much, in s", 0.005, low=0), **AIM},
-        lambda place, seconds, **turn: Filtering(
+        lambda place, seconds, **turn: Repeating(
             place.node, anything, jittered(place.node.clock, seconds, turn["seed"]), Turn(**turn)
         ),
     ),

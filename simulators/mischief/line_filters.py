@@ -3,7 +3,7 @@
 from functools import partial
 
 from simulators.mischief.bits import length
-from simulators.mischief.disturbance import Disturbance, Filtering, Fits, Place
+from simulators.mischief.disturbance import Disturbance, Filtering, Fits, Place, Side
 from simulators.mischief.effects import lost
 from simulators.mischief.turn import Turn
 from simulators.node import Node
@@ -14,6 +14,13 @@ class LineFilter(Filtering):
     """Both what the node sends and what it hears."""
 
     both_ways = True
+    side = Side.LINE
+
+
+class Repeating(LineFilter):
+    """Only what the node sends."""
+
+    both_ways = False
 
 
 class Swapped(LineFilter):
@@ -26,10 +33,10 @@ class Swapped(LineFilter):
         """Nothing waits any more."""
         return super().over and self._waiting is None
 
-    def filter(self, frame: Frame, onward: Onward) -> None:
+    def __call__(self, frame: Frame, onward: Onward) -> None:
         """Let the one that waits follow the one that comes."""
         if self._waiting is None or not self._running or not self._fits(self.node, frame):
-            super().filter(frame, onward)
+            super().__call__(frame, onward)
             return
         (held, its_way), self._waiting = self._waiting, None
         onward(frame)

@@ -6,7 +6,7 @@ from typing import Any
 
 from simulators.mischief.aim import Aim
 from simulators.mischief.conversation import ABORT, Conversation
-from simulators.mischief.disturbance import Filtering, Place
+from simulators.mischief.disturbance import Filtering, Place, Side
 from simulators.mischief.effects import Effect, altered, lost
 from simulators.mischief.turn import Turn
 from simulators.node import Node
@@ -48,7 +48,7 @@ class SdoFilter(Filtering):
         self._conversation = Conversation()
         self._struck = False
 
-    def filter(self, frame: Frame, onward: Onward) -> None:
+    def __call__(self, frame: Frame, onward: Onward) -> None:
         """Requests come in and answers go out through here."""
         if not self._running:
             onward(frame)
@@ -82,6 +82,8 @@ class Stall(SdoFilter):
 class Refusal(SdoFilter):
     """Aborts instead of the server, for which the access never came."""
 
+    side = Side.DEVICE
+
     def __init__(self, place: Place, code: int, **aim: Any) -> None:
         super().__init__(place, **aim)
         self._code = code.to_bytes(4, "little")
@@ -101,6 +103,7 @@ class Refusal(SdoFilter):
 class Unlocked(Stall):
     """Answers with a server of its own where the node has none."""
 
+    side = Side.DEVICE
     states = frozenset({State.STOPPED})
     _server: SdoServer | None = None
 
