@@ -74,6 +74,12 @@ class Probe(Device):
     def reset_communication(self):
         self.told.append("reset communication")
 
+    def save(self):
+        self.told.append("save")
+
+    def restore(self):
+        self.told.append("restore")
+
     def on_state(self, state):
         self.told.append(str(state))
 

@@ -71,7 +71,7 @@ def read_text(path: Path) -> str:
     except UnicodeDecodeError as failure:
         raise ScenarioError([f"{path}: no UTF-8 text"]) from failure
     if len(content) > LARGEST_FILE:
-        raise ScenarioError([f"{path}: larger than {LARGEST_FILE} bytes, no scenario"])
+        raise ScenarioError([f"{path}: larger than {LARGEST_FILE} bytes"])
     return text
 
 
@@ -89,9 +89,9 @@ def compose(text: str) -> yaml.Node:
     except ReaderError as failure:
         raise Mistake(_mark(text, failure.position), failure.reason) from failure
     except RecursionError:
-        raise Mistake(_mark(text, 0), "nested too deeply; a scenario has five levels") from None
+        raise Mistake(_mark(text, 0), "nested too deeply; five levels are enough") from None
     if node is None:
-        raise Mistake(_mark(text, 0), "an empty file; a scenario has version, node and steps")
+        raise Mistake(_mark(text, 0), "an empty file; the first line is version: 1")
     return node
 
 

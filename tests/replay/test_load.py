@@ -104,8 +104,8 @@ def test_a_node_that_cannot_take_part_is_pointed_at(problems, node, problem):
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
-        ("", "1:1: an empty file; a scenario has version, node and steps"),
-        ("# nothing\n", "1:1: an empty file; a scenario has version, node and steps"),
+        ("", "1:1: an empty file; the first line is version: 1"),
+        ("# nothing\n", "1:1: an empty file; the first line is version: 1"),
         ("- 1\n", "1:1: a key with a value is wanted here, such as {key: value}"),
         ("{node: {device: probe}, steps: []}", "1:1: 'version' is missing"),
         ("{version: 1, steps: []}", "1:1: 'node' is missing"),

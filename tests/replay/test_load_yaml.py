@@ -23,7 +23,7 @@ from .conftest import HEAD
         ("a: &b 1\nc: *b", "1:4: there are no anchors and aliases here: write it out"),
         ("a: !!python/name:os.system x", "1:4: there are no tags here: leave"),
         ("a: !!str 5", "1:4: there are no tags here: leave 'tag:yaml.org,2002:str' out"),
-        ("[" * 1500, "1:1: nested too deeply; a scenario has five levels"),
+        ("[" * 1500, "1:1: nested too deeply; five levels are enough"),
     ],
 )
 def test_what_is_no_yaml_of_ours_is_pointed_at(problems, text, problem):
@@ -74,7 +74,7 @@ def test_a_file_with_a_byte_order_mark_is_read(tmp_path):
     ("content", "problem"),
     [
         (b"\xff\xfe", "no UTF-8 text"),
-        (b"#" * (LARGEST_FILE + 1), f"larger than {LARGEST_FILE} bytes, no scenario"),
+        (b"#" * (LARGEST_FILE + 1), f"larger than {LARGEST_FILE} bytes"),
     ],
 )
 def test_what_is_no_text_of_a_reasonable_size_is_refused(tmp_path, content, problem):
