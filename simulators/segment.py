@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from simulators import mischief
+from simulators.arbitration import Arbitration
 from simulators.clock import Clock
 from simulators.device import Device
 from simulators.errors import UserError
@@ -38,6 +39,11 @@ class Segment:
         self.listeners: list[Listener] = []
         self._outbox: Outbox = deque()
         self._foreign = Wire(self.clock, self._outbox)
+        self._bus: Arbitration | None = None
+
+    def limit(self, bit_rate: int) -> None:
+        """Let frames take their time from now on, at so many bit/s; else they take none."""
+        self._bus = Arbitration(self.clock, bit_rate, self._arrive)
 
     def node(self, device: Device, name: str) -> Node:
         """Connect a device by a name of its own, with its power off.
@@ -73,15 +79,19 @@ class Segment:
         frame before the frame. They hear the frame that brings a bug to light, too.
         """
         outbox = self._outbox
+        if self._bus is not None:
+            self._bus.take(outbox)
         while outbox:
-            sender, frame = outbox.popleft()
-            try:
-                for node in self.nodes:
-                    if node.wire is not sender:
-                        node.receive(frame)
-            finally:
-                for listener in self.listeners:
-                    listener(frame, sender.name)
+            self._arrive(*outbox.popleft())
+
+    def _arrive(self, sender: Wire, frame: Frame) -> None:
+        try:
+            for node in self.nodes:
+                if node.wire is not sender:
+                    node.receive(frame)
+        finally:
+            for listener in self.listeners:
+                listener(frame, sender.name)
 
     def advance(self, seconds: float) -> None:
         """Let time pass; frames are delivered at the moment they are sent."""

@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from simulators.mischief.bits import length
+from simulators.bits import length
 from simulators.mischief.disturbance import Disturbance, Filtering, Fits, Place, Side
 from simulators.mischief.effects import lost
 from simulators.mischief.turn import Turn

@@ -4,7 +4,7 @@ import pytest
 from canopen import SdoCommunicationError
 
 from simulators import UserError
-from simulators.mischief.bits import length
+from simulators.bits import length
 from simulators.wire import Frame
 
 from .conftest import READ_VERSION, READ_VOLTAGE, SYNC

@@ -90,7 +90,7 @@ def test_faults_that_every_device_has_are_injected_in_the_same_way(played):
         - {at: 3, clear: all}
         """
     )
-    assert outcomes == []
+    assert outcomes == ["PASS 1 Byte is refused with 0x08000022 (device state)"]
     assert frames[-1] == "2.5 705#00"
 
 
