@@ -1,6 +1,6 @@
 """A bus whose frames take their time: one after the other, the lowest identifier first."""
 
-from collections.abc import Callable
+from collections import deque
 from heapq import heappop, heappush
 from itertools import count
 
@@ -8,19 +8,17 @@ from simulators.bits import length
 from simulators.clock import Clock
 from simulators.wire import Frame, Outbox, Wire
 
-Arrive = Callable[[Wire, Frame], None]
-
 
 class Arbitration:
     """Frames that wait compete for the bus each time it is free; equals keep their order.
 
-    `arrive` is called at the end of a frame with who sent it; the bit rate is in bit/s.
+    What is over is in `arrived`, with who sent it; the bit rate is in bit/s.
     """
 
-    def __init__(self, clock: Clock, bit_rate: int, arrive: Arrive) -> None:
+    def __init__(self, clock: Clock, bit_rate: int) -> None:
         self.bit_rate = bit_rate
         self._clock = clock
-        self._arrive = arrive
+        self.arrived: Outbox = deque()
         self._waiting: list[tuple[tuple[int, ...], int, Wire, Frame]] = []
         self._order = count()
         self._busy = False
@@ -40,7 +38,7 @@ class Arbitration:
 
     def _end(self, sender: Wire, frame: Frame) -> None:
         self._busy = False
-        self._arrive(sender, frame)
+        self.arrived.append((sender, frame))
 
 
 def priority(frame: Frame) -> tuple[int, ...]:

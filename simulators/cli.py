@@ -113,10 +113,12 @@ def _command(commands: Commands, name: str, text: str, module: str, function: st
 
 def _catalogue(commands: Commands) -> None:
     _command(commands, "list", "print the devices and scenarios there are", "catalogue", "list_all")
+    text = "print the EDS file of a device, or its DCF with the settings that are given"
+    command = _command(commands, "eds", text, "catalogue", "eds")
+    _device_arguments(command)
     for name, text in (
         ("objects", "print the object dictionary of a device"),
         ("settings", "print what can be chosen with --set, and what is assumed"),
-        ("eds", "print the EDS file of a device"),
     ):
         command = _command(commands, name, text, "catalogue", name)
         command.add_argument("device", metavar="DEVICE", help=DEVICE)
@@ -130,13 +132,7 @@ def _catalogue(commands: Commands) -> None:
 def _run(commands: Commands) -> None:
     text = "run twins on a CAN bus in real time, until they are stopped or a scenario is over"
     command = _command(commands, "run", text, "run", "run")
-    command.add_argument("device", metavar="DEVICE", help=f"{DEVICE}, or a bench file")
-    command.add_argument(
-        "-n", "--node-id", type=partial(int, base=0), metavar="ID", help="1..127, or as 0x05"
-    )
-    command.add_argument(
-        "--set", action="append", default=[], metavar="KEY=VALUE", help="see `settings DEVICE`"
-    )
+    _device_arguments(command, f"{DEVICE}, or a bench file")
     command.add_argument("--scenario", metavar="SCENARIO", help=SCENARIO)
     command.add_argument(
         "--nvram", type=Path, metavar="FILE", help="keep what the device stores in a file"
@@ -155,6 +151,16 @@ def _hub(commands: Commands) -> None:
     command = _command(commands, "hub", text, "hub", "hub")
     command.add_argument(
         "--listen", default="", metavar="HOST:PORT", help="where (default: 127.0.0.1:29536)"
+    )
+
+
+def _device_arguments(command: Parser, text: str = DEVICE) -> None:
+    command.add_argument("device", metavar="DEVICE", help=text)
+    command.add_argument(
+        "-n", "--node-id", type=partial(int, base=0), metavar="ID", help="1..127, or as 0x05"
+    )
+    command.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="see `settings DEVICE`"
     )
 
 

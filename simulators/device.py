@@ -64,6 +64,11 @@ class Device:
         return True
 
     @property
+    def nmt_state(self) -> State | None:
+        """The NMT state the device is in by its own will; none where the master decides."""
+        return None
+
+    @property
     def rest(self) -> float:
         """Seconds from the last step during which stepping may be left out.
 

@@ -39,11 +39,12 @@ class Segment:
         self.listeners: list[Listener] = []
         self._outbox: Outbox = deque()
         self._foreign = Wire(self.clock, self._outbox)
+        self._touched: list[Node] = []
         self._bus: Arbitration | None = None
 
     def limit(self, bit_rate: int) -> None:
         """Let frames take their time from now on, at so many bit/s; else they take none."""
-        self._bus = Arbitration(self.clock, bit_rate, self._arrive)
+        self._bus = Arbitration(self.clock, bit_rate)
 
     def node(self, device: Device, name: str) -> Node:
         """Connect a device by a name of its own, with its power off.
@@ -67,8 +68,19 @@ class Segment:
         """
         return Wire(self.clock, self._outbox, name)
 
+    def touch(self, node: Node) -> None:
+        """Somebody holds the device of a node in his hands: see to it before anything else."""
+        self._touched.append(node)
+
+    def _see_to_touched(self) -> None:
+        while self._touched:
+            with self._touched.pop().acting():
+                pass
+            self.deliver()
+
     def send(self, frame: Frame) -> None:
         """Put a frame on the bus that comes from outside; the answers are out after."""
+        self._see_to_touched()
         self._foreign.put(frame)
         self.deliver()
 
@@ -78,20 +90,18 @@ class Segment:
         Listeners come after the nodes, as they may send in turn: no node hears the reply to a
         frame before the frame. They hear the frame that brings a bug to light, too.
         """
-        outbox = self._outbox
+        arrived = self._outbox if self._bus is None else self._bus.arrived
+        while arrived:
+            sender, frame = arrived.popleft()
+            try:
+                for node in self.nodes:
+                    if node.wire is not sender:
+                        node.receive(frame)
+            finally:
+                for listener in self.listeners:
+                    listener(frame, sender.name)
         if self._bus is not None:
-            self._bus.take(outbox)
-        while outbox:
-            self._arrive(*outbox.popleft())
-
-    def _arrive(self, sender: Wire, frame: Frame) -> None:
-        try:
-            for node in self.nodes:
-                if node.wire is not sender:
-                    node.receive(frame)
-        finally:
-            for listener in self.listeners:
-                listener(frame, sender.name)
+            self._bus.take(self._outbox)
 
     def advance(self, seconds: float) -> None:
         """Let time pass; frames are delivered at the moment they are sent."""
@@ -99,4 +109,5 @@ class Segment:
 
     def advance_to(self, time: float) -> None:
         """Let time pass up to a moment."""
+        self._see_to_touched()
         self.clock.advance_to(time, self.deliver)

@@ -57,9 +57,13 @@ class Stack:
         self._announce(State.PRE_OPERATIONAL)
 
     def follow(self) -> None:
-        """Enter the state the NMT master wants."""
+        """Enter the state the NMT master wants, then the one the device wants."""
         if self._nmt.state is not self.state:
             self._announce(self._nmt.state)
+        own = self._device.nmt_state
+        if own is not None and own is not self.state:
+            self._nmt.state = own
+            self._announce(own)
 
     def publish(self) -> None:
         """Follow what has been changed in the communication area, then send what is new."""

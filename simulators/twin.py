@@ -23,10 +23,11 @@ class Twin:
 
     @property
     def device(self) -> Any:
-        """The device itself as it is at this moment, to look at its model."""
+        """The device itself as it is at this moment, to look at its model or to act on it."""
         with self.node.acting() as device:
             pass
         self._segment.deliver()
+        self._segment.touch(self.node)
         return device
 
     @property

@@ -21,11 +21,13 @@ class Probe(Device):
     rest = inf
     online = True
     emergencies = ()
+    nmt_state = None
 
     def __init__(self, node_id=5, **profile):
         super().__init__(node_id=node_id)
         self.profile = Profile(**profile)
         self.told = []
+        self.frames = 0
         self.level = 0
         self.content = b""
         self.falls_over = False
@@ -82,6 +84,9 @@ class Probe(Device):
 
     def on_state(self, state):
         self.told.append(str(state))
+
+    def on_frame(self):
+        self.frames += 1
 
     def on_heartbeat(self, node_id, alive):
         self.told.append(f"node {node_id} is {'back' if alive else 'silent'}")

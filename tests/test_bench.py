@@ -188,3 +188,17 @@ def test_what_a_look_at_a_device_brings_to_light_is_sent_at_once(operational):
     operational.run(0.5)
     assert operational.device is probe
     assert str(operational.trace[-1]) == "(0000000000.500000) can0 085#3081110000000000"
+
+
+def test_what_is_done_to_the_device_by_hand_counts_for_the_next_frame(bench):
+    bench.device.online = False
+    assert bench.send("605#4000100000000000") == []
+    bench.device.online = True
+    assert bench.send("605#4000100000000000")[0] == "705#00"
+
+
+def test_what_is_done_to_the_device_by_hand_counts_for_the_time_that_follows(bench):
+    probe = bench.device
+    probe.rest = 0.0
+    bench.run(0.1)
+    assert len(probe.steps) == 10

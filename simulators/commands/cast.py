@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from simulators import devices, replay
+from simulators.commands.chosen import chosen
 from simulators.device import Device
 from simulators.errors import UserError
 from simulators.memory import Memory
@@ -45,17 +46,7 @@ def _delivered(name: str, scenario: replay.Scenario | None) -> Mapping[str, obje
 
 
 def _device(options: argparse.Namespace, delivered: Mapping[str, object]) -> Device:
-    settings = {**delivered, **dict(_pair(text) for text in options.set)}
-    if options.node_id is not None:
-        settings["node_id"] = options.node_id
-    device = devices.create(options.device, **settings)
+    device = devices.create(options.device, **{**delivered, **chosen(options)})
     if options.nvram is not None:
         device.memory = Memory(options.nvram)
     return device
-
-
-def _pair(text: str) -> tuple[str, str]:
-    key, equals, value = text.partition("=")
-    if not equals:
-        raise UserError(f"--set {text}: write it as KEY=VALUE")
-    return key, value

@@ -8,6 +8,8 @@ from typing import Any
 from canopen.objectdictionary import ODVariable, datatypes
 
 from simulators import devices
+from simulators.commands.chosen import chosen
+from simulators.commands.dcf import dcf
 from simulators.device import Device
 from simulators.resources import od_file, scenarios
 from simulators.settings import about
@@ -49,7 +51,10 @@ def settings(options: argparse.Namespace) -> int:
 
 
 def eds(options: argparse.Namespace) -> int:
-    """The EDS as it is shipped: for the tools of the master."""
+    """The EDS as it is shipped; with settings the DCF of a device that has them."""
+    if given := chosen(options):
+        print(dcf(devices.create(options.device, **given)), end="")
+        return 0
     with od_file(devices.find(options.device).eds) as path:
         print(path.read_text("ascii"), end="")
     return 0

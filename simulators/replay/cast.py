@@ -4,9 +4,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import fields as fields_of
 
 from simulators.device import Device
+from simulators.documents.document import Item
+from simulators.documents.problems import Noted
 from simulators.errors import UserError, unknown
-from simulators.replay.document import Item
-from simulators.replay.problems import Noted
 from simulators.replay.scenario import NodeSpec
 
 Find = Callable[[str], type[Device]]

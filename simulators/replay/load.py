@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from simulators import devices
+from simulators.documents.document import Item, read
+from simulators.documents.problems import Problems
 from simulators.replay.cast import Find, read_node
-from simulators.replay.document import Item, read
-from simulators.replay.problems import Problems
 from simulators.replay.rehearsal import Rehearsal
 from simulators.replay.scenario import NodeSpec, Scenario
 from simulators.replay.steps import StepReader

@@ -10,10 +10,10 @@ from canopen.objectdictionary.datatypes import (
     VISIBLE_STRING,
 )
 
+from simulators.documents.document import Item
+from simulators.documents.yaml_nodes import Scalar
 from simulators.errors import UserError
-from simulators.replay.document import Item
 from simulators.replay.master import EXPEDITED_ROOM
-from simulators.replay.yaml_nodes import Scalar
 
 
 def encode(variable: ODVariable, item: Item, limited: bool) -> bytes:

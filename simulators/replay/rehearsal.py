@@ -8,9 +8,9 @@ from dataclasses import fields
 from typing import Any
 
 from simulators.device import Device
+from simulators.documents.document import Item, Pair
 from simulators.errors import unknown
 from simulators.faults import argument
-from simulators.replay.document import Item, Pair
 from simulators.replay.targets import Targets
 from simulators.segment import Segment
 

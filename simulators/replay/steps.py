@@ -1,7 +1,7 @@
 """Reads the steps of a scenario, in the order of their times."""
 
-from simulators.replay.document import Item
-from simulators.replay.problems import Problems
+from simulators.documents.document import Item
+from simulators.documents.problems import Problems
 from simulators.replay.rehearsal import Rehearsal
 from simulators.replay.scenario import Action, Expectation, Step
 from simulators.replay.verbs import VERBS

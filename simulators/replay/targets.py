@@ -8,9 +8,9 @@ from canopen import ObjectDictionary
 from canopen.objectdictionary import ODVariable
 from canopen.objectdictionary.datatypes import VISIBLE_STRING
 
+from simulators.documents.document import Item
 from simulators.errors import UserError, unknown
 from simulators.objects import Address
-from simulators.replay.document import Item
 
 ADDRESS = re.compile(r"0x([0-9A-Fa-f]{4})(?::([0-9A-Fa-f]{2}))?")
 

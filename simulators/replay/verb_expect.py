@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from math import inf
 
-from simulators.replay.document import Item
+from simulators.documents.document import Item
 from simulators.replay.expect import Comes, Holds, Never, Range, Text
 from simulators.replay.patterns import AnyFrame, EmcyLike, FrameLike, HeartbeatLike
 from simulators.replay.rehearsal import Rehearsal

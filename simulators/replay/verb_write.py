@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
+from simulators.documents.document import Item, Pair
 from simulators.objects import Abort
-from simulators.replay.document import Item, Pair
 from simulators.replay.master import ACCEPTED
 from simulators.replay.payload import check_access, encode
 from simulators.replay.rehearsal import Rehearsal

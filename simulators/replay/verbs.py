@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from simulators.documents.document import Item
 from simulators.node import Node
-from simulators.replay.document import Item
 from simulators.replay.rehearsal import Rehearsal
 from simulators.replay.scenario import Action, Stage
 from simulators.replay.verb_expect import parse_expect

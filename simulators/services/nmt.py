@@ -26,7 +26,10 @@ RESETS: Mapping[int, Reset] = {reset.value: reset for reset in Reset}
 
 
 class Nmt(Service):
-    """`state` and `reset` are read by the node after every frame."""
+    """`state` and `reset` are read by the node after every frame.
+
+    A device that enters a state by itself sets `state` as the master would.
+    """
 
     def __init__(self, slave: Slave) -> None:
         super().__init__(slave)

@@ -42,7 +42,8 @@ def test_a_block_download_that_the_server_refuses_is_over():
     assert places[-1] == ((0x2103, 0), 0)
 
 
-def test_a_block_is_struck_at_its_initiate_and_within(bench):
+def test_a_block_is_struck_at_its_initiate_and_within(bench_of):
+    bench = bench_of(block=True)
     bench.device.content = bytes(range(30))
     bench.inject("sdo_abort", object=0x2104, segment=1, times=1)
     start, go = "605#A40421007F000000", "605#A300000000000000"

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from simulators.documents.yaml_nodes import LARGEST_FILE
 from simulators.replay import ScenarioError, load
-from simulators.replay.yaml_nodes import LARGEST_FILE
 
 from .conftest import HEAD
 

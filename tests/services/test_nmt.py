@@ -144,3 +144,29 @@ def test_an_ordinary_master_starts_a_node(bench):
     assert heard == [b"\0"]
     bench.twin.remote.nmt.state = "OPERATIONAL"
     assert bench.twin.node.state is State.OPERATIONAL
+
+
+@pytest.mark.parametrize("state", [State.STOPPED, State.PRE_OPERATIONAL, State.OPERATIONAL])
+def test_a_device_may_enter_a_state_by_itself(beating, state):
+    other = START if state is State.STOPPED else STOP
+    beating.send(other)
+    with beating.twin.node.acting() as probe:
+        probe.nmt_state = state
+    assert beating.twin.node.state is state
+    assert probe.told[-1] == state
+    assert (
+        STATES[beat(beating)[0]]
+        == {"STOPPED": STOP, "PRE-OPERATIONAL": PRE_OPERATIONAL, "OPERATIONAL": START}[state]
+    )
+
+
+def test_while_a_device_insists_on_a_state_the_master_changes_nothing(beating):
+    with beating.twin.node.acting() as probe:
+        probe.nmt_state = State.STOPPED
+    beating.send(START)
+    assert beating.twin.node.state is State.STOPPED
+    with beating.twin.node.acting() as probe:
+        probe.nmt_state = None
+    assert beating.twin.node.state is State.STOPPED
+    beating.send(START)
+    assert beating.twin.node.state is State.OPERATIONAL

@@ -17,7 +17,7 @@ class Placed(Protocol):
         """Where it begins."""
 
 
-class ScenarioError(UserError):
+class DocumentError(UserError):
     """Everything that is wrong with a file: `lines`, each "file:line:column: what"."""
 
     def __init__(self, lines: Collection[str]) -> None:
@@ -61,7 +61,7 @@ class Problems:
             self.add(place.mark, str(refusal))
 
     def settle(self) -> None:
-        """Raises `ScenarioError` if anything has been found."""
+        """Raises `DocumentError` if anything has been found."""
         if self._found:
             places = sorted(self._found)
-            raise ScenarioError([f"{self.file}:{line}:{col}: {text}" for line, col, text in places])
+            raise DocumentError([f"{self.file}:{line}:{col}: {text}" for line, col, text in places])

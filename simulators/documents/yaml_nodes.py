@@ -13,7 +13,7 @@ import yaml
 from yaml.composer import ComposerError
 from yaml.reader import ReaderError
 
-from simulators.replay.problems import Mistake, ScenarioError
+from simulators.documents.problems import DocumentError, Mistake
 
 LARGEST_FILE = 256 * 1024  # bytes
 
@@ -60,18 +60,18 @@ def read_text(path: Path) -> str:
     """The text of a file.
 
     Raises:
-        ScenarioError: it cannot be read, is too large, or is no text.
+        DocumentError: it cannot be read, is too large, or is no text.
     """
     try:
         with path.open("rb") as file:
             content = file.read(LARGEST_FILE + 1)
         text = content.decode("utf-8-sig")
     except OSError as failure:
-        raise ScenarioError([f"{path}: {failure.strerror}"]) from failure
+        raise DocumentError([f"{path}: {failure.strerror}"]) from failure
     except UnicodeDecodeError as failure:
-        raise ScenarioError([f"{path}: no UTF-8 text"]) from failure
+        raise DocumentError([f"{path}: no UTF-8 text"]) from failure
     if len(content) > LARGEST_FILE:
-        raise ScenarioError([f"{path}: larger than {LARGEST_FILE} bytes"])
+        raise DocumentError([f"{path}: larger than {LARGEST_FILE} bytes"])
     return text
 
 

@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import yaml
 
+from simulators.documents.problems import Mistake, Noted, Problems
+from simulators.documents.yaml_nodes import Scalar, compose, read_text, scalar
 from simulators.errors import UserError, unknown
-from simulators.replay.problems import Mistake, Noted, Problems
-from simulators.replay.yaml_nodes import Scalar, compose, read_text, scalar
 
 LONGEST_TIME = 86_400  # seconds: a day
 
@@ -174,7 +174,7 @@ def read(path: Path, problems: Problems) -> Item:
     """The outermost value of a file.
 
     Raises:
-        ScenarioError: it cannot be read, is too large, or is no YAML.
+        DocumentError: it cannot be read, is too large, or is no YAML.
     """
     text = read_text(path)
     try:

@@ -1,0 +1,1 @@
+"""The governor, its engine and its gateway as two machines on a link, without any CAN."""

@@ -1,0 +1,88 @@
+"""Engine with actuator, oil and charge air: what the governor governs. All assumed (A-47)."""
+
+from dataclasses import dataclass
+from math import exp, pi
+
+from simulators.devices.gateway.model.timing import Time
+
+RADIANS = pi / 30  # rad/s per rpm
+SUBSTEP = 0.003125  # s, a fifth of the governor's main cycle
+
+INERTIA = 10.0  # kg m2
+FULL_TORQUE = 1900.0  # N m
+COMBUSTION_SPEED = 60.0  # rpm, below which no charge ignites
+STARTER_TORQUE = 600.0  # N m, at standstill
+STARTER_SPEED = 270.0  # rpm, at which it pulls no more
+GENERATOR_EFFICIENCY = 0.95
+ACTUATOR_LAG, ACTUATOR_RATE = 0.04, 4.0  # s, 1/s
+COMBUSTION_LAG = 0.06  # s
+OIL_LAG, AIR_LAG = 1.0, 8.0  # s
+OIL_SPEED = 50.0  # rpm, below which the pump builds up nothing
+AMBIENT = 25.0  # degC
+RATED_POWER = 200_000.0  # W
+
+
+@dataclass
+class Engine:
+    """A genset: `run_to` brings it to the present with the inputs as they were meanwhile."""
+
+    time: Time
+    load: float = 0.0
+    """What the consumers want, W."""
+    load_connected: bool = False
+    starter: bool = False
+    fuel: float = 0.0
+    """Actuator command, 0..1."""
+    speed: float = 0.0
+    """rpm"""
+    position: float = 0.0
+    """Of the actuator, 0..1."""
+    combustion: float = 0.0
+    """What burns of the full quantity, 0..1."""
+    oil_pressure: float = 0.0
+    """bar"""
+    charge_air: float = AMBIENT
+    """degC"""
+    _reached: int = 0
+
+    @property
+    def power(self) -> float:
+        """What the generator delivers, W."""
+        return self.load if self.load_connected else 0.0
+
+    @property
+    def standing(self) -> bool:
+        """Whether nothing moves and nothing will."""
+        return self.speed == 0 and not self.starter
+
+    def run_to(self, now: int) -> None:
+        """Let the time up to `now`, in microseconds, pass."""
+        seconds = (now - self._reached) / 1_000_000
+        self._reached = now
+        substeps = max(1, round(seconds / SUBSTEP))
+        for _ in range(substeps):
+            self._move(seconds / substeps)
+            if self.standing and self.fuel == 0 and self.position < 1e-9:
+                break  # the rest of the time changes nothing
+        self._settle(seconds)
+
+    def _move(self, dt: float) -> None:
+        rate = (self.fuel - self.position) / ACTUATOR_LAG
+        self.position += min(max(-ACTUATOR_RATE, rate), ACTUATOR_RATE) * dt
+        self.combustion += (self.position - self.combustion) / COMBUSTION_LAG * dt
+        acceleration = self._torque() / INERTIA / RADIANS
+        self.speed = max(0.0, self.speed + acceleration * dt)
+
+    def _torque(self) -> float:
+        driving = FULL_TORQUE * self.combustion if self.speed > COMBUSTION_SPEED else 0.0
+        if self.starter:
+            driving += max(0.0, STARTER_TORQUE * (1 - self.speed / STARTER_SPEED))
+        friction = 60 + 0.06 * self.speed
+        angular = max(1.0, self.speed * RADIANS)
+        return driving - friction - self.power / (GENERATOR_EFFICIENCY * angular)
+
+    def _settle(self, seconds: float) -> None:
+        pressure = 2.5 + 2 * (self.speed - 700) / 800 if self.speed >= OIL_SPEED else 0.0
+        self.oil_pressure += (pressure - self.oil_pressure) * (1 - exp(-seconds / OIL_LAG))
+        air = AMBIENT + 40 * self.power / RATED_POWER
+        self.charge_air += (air - self.charge_air) * (1 - exp(-seconds / AIR_LAG))

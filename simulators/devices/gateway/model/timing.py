@@ -1,0 +1,37 @@
+"""Time of the model: whole microseconds, on a grid that both main cycles meet."""
+
+from dataclasses import dataclass
+
+GRID = 125  # us: 15.625 ms and 16 ms have no greater divisor
+MILLISECOND = 1000  # us
+MOST_CYCLES = 255  # 4.1.2, of the governor
+MOST_HEARTBEAT_CYCLES = 4095  # 7.2.3
+
+
+@dataclass
+class Time:
+    """The moment, in microseconds, that every part of one system shares."""
+
+    now: int = 0
+
+
+def microseconds(seconds: float) -> int:
+    """The same time in microseconds.
+
+    Raises:
+        ValueError: negative, or no multiple of 125 us.
+    """
+    whole = round(seconds * 1_000_000)
+    if whole < 0 or whole % GRID:
+        raise ValueError(f"{seconds} s is not a multiple of {GRID} us")
+    return whole
+
+
+def cycles(milliseconds: int, cycle: int, most: int) -> int:
+    """How many main cycles a time of DcDesk comes to; 0 switches off and stays 0 (7.1.3, 7.2.3).
+
+    Between the printed ranges lie 15 ms and what exceeds the last: one cycle and `most` (A-05).
+    """
+    if milliseconds == 0:
+        return 0
+    return min(max(1, milliseconds * MILLISECOND // cycle), most)

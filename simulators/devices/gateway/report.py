@@ -1,0 +1,24 @@
+"""A look at both units and the engine, as a service engineer and an operator see them."""
+
+from collections.abc import Mapping
+
+from simulators.devices.gateway.model import errors
+from simulators.devices.gateway.model.system import System
+
+
+def report(system: System) -> Mapping[str, object]:
+    """What is of interest, in engineering units."""
+    engine = system.governor.engine
+    return {
+        "state": system.state.value,
+        "2005h": f"{system.value(0x2005, 0):04X}h",
+        "governor": system.governor.life.value,
+        "gateway": system.gateway.life.value,
+        "errors of the governor": list(errors.numbers(system.governor.memory.present)),
+        "errors of the gateway": list(errors.numbers(system.gateway.memory.present)),
+        "speed [rpm]": round(engine.speed, 1),
+        "actuator [%]": round(100 * engine.position, 1),
+        "load [kW]": round(engine.power / 1e3, 1),
+        "oil pressure [bar]": round(engine.oil_pressure, 2),
+        "charge air [degC]": round(engine.charge_air, 1),
+    }
