@@ -23,7 +23,7 @@ Initiate = Callable[[Slave, bytes], bytes | Transfer]
 def initiates(profile: Profile) -> Mapping[int, Initiate]:
     """What the server offers, by command byte."""
     table: dict[int, Initiate] = dict.fromkeys(DOWNLOADS, download)
-    if not profile.segmented:
+    if not profile.segmented and not profile.literal_commands:  # literally, 20h and 21h are known
         table = {command: table[command] for command in table if command & EXPEDITED}
     table |= dict.fromkeys(UPLOADS, upload)
     if profile.block:

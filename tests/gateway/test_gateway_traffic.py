@@ -227,3 +227,22 @@ def test_tables_can_be_replaced(tmp_path, configured):
     bench.inject("error", unit="governor", number=3001)
     bench.run(0.1)
     assert [read(bench, 0x2000, sub) for sub in range(1, 7)] == [0b100, 0, 0, 0, 0, 0]
+
+
+def told(configured, rests):
+    bench = configured({16460: 16, 16461: 100, 16404: 2300}, {16404: 0x3E5})
+    if not rests:
+        bench.device.__class__ = type("Restless", (type(bench.device),), {"rest": 0.0})
+    bench.send(START)
+    for fault in ("reset", "link_cut", "supply", "can2_bus_fault"):
+        bench.inject(fault)
+        bench.run(0.6)
+        bench.clear(fault)
+        bench.run(0.6)
+        bench.send(START)
+    return [str(record) for record in bench.trace]
+
+
+@pytest.mark.spec("G-008")
+def test_what_is_left_out_at_rest_is_not_to_be_seen(configured):
+    assert told(configured, rests=True) == told(configured, rests=False)

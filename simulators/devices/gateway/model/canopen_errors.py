@@ -64,7 +64,8 @@ class CanopenErrors:
 
     def follow(self, error: CanopenError, present: bool) -> None:
         """Let an error come and go with its cause (12413, 12420)."""
-        self.own = self.own | error if present else self.own & ~error
+        if bool(self.own.value & error.value) is not present:  # most of the time it is as it was
+            self.own ^= error
 
     def clear(self, causes: int) -> None:
         """Clear all but what has a cause here: by clearing all errors, or in Operational (9.5).

@@ -53,4 +53,4 @@ class Link:
     @property
     def disturbed(self) -> bool:
         """Whether the units talk at different bit rates, which is a bus error in both (7.2.1)."""
-        return len(dict.fromkeys(self.bit_rates.values())) > 1
+        return len(set(self.bit_rates.values())) > 1

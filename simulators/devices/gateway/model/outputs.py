@@ -26,6 +26,7 @@ class Outputs:
         self._values: dict[Entry, int] = {}
         self._sent: dict[int, tuple[int, ...]] = {}
         self._digital: tuple[int, ...] = (0,) * 7
+        self._shown = (0, 0)
         self.news: list[TpdoFrame] = []
         """The binary TPDOs with something new in them, by the last `show`."""
 
@@ -41,6 +42,10 @@ class Outputs:
 
     def show(self, present: int, engine: int) -> None:
         """Take over errors, bit k for 3000+k, and engine state; once per cycle of the governor."""
+        if self._sent and (present, engine) == self._shown:
+            self.news = []
+            return
+        self._shown = present, engine
         self._digital = (*self._assignment.error_words(present), engine)
         words = {n: self._words(n) for n in BINARY_TPDOS if n in self.dictionary.tpdos}
         self.news = [TpdoFrame(n, each) for n, each in words.items() if self._is_new(n, each)]

@@ -103,14 +103,22 @@ class System:
 
     @property
     def rest(self) -> float:
-        """Seconds until something happens by itself: a main cycle or the arrival of a telegram."""
-        return inf if self._due is None else (self._due - self._time.now) / 1_000_000
+        """Seconds in which nothing happens by itself that CANopen could notice.
+
+        A main cycle of the governor and what it hears are noticed when a telegram has come over.
+        """
+        to_gateway, to_governor = self.link.to[Unit.GATEWAY], self.link.to[Unit.GOVERNOR]
+        visible = (self.gateway.due, to_gateway.due)
+        hidden = (self.governor.due, to_governor.due)
+        dues = [due for due in visible if due is not None]
+        dues += [due + to_gateway.delay for due in hidden if due is not None]
+        return (min(dues) - self._time.now) / 1_000_000 if dues else inf
 
     @property
     def _due(self) -> int | None:
-        dues = [direction.due for direction in self.link.to.values()]
-        dues += [unit.due for unit in self._units.values()]
-        return min((due for due in dues if due is not None), default=None)
+        link = [each.due for each in self.link.to.values()]
+        dues = [due for due in (*link, self.governor.due, self.gateway.due) if due is not None]
+        return min(dues) if dues else None
 
     def _act(self, now: int) -> None:
         for which, direction in self.link.to.items():  # a main cycle finds all that has arrived
