@@ -119,10 +119,14 @@ def _catalogue(commands: Commands) -> None:
     for name, text in (
         ("objects", "print the object dictionary of a device"),
         ("settings", "print what can be chosen with --set, and what is assumed"),
-        ("faults", "print what can be injected"),
     ):
         command = _command(commands, name, text, "catalogue", name)
         command.add_argument("device", metavar="DEVICE", help=DEVICE)
+    command = _command(commands, "faults", "print what can be injected", "faults", "faults")
+    command.add_argument(
+        "device", metavar="DEVICE", nargs="?", help=f"{DEVICE}; none: what every device has"
+    )
+    command.add_argument("--json", action="store_true", help="for programs")
 
 
 def _run(commands: Commands) -> None:

@@ -5,7 +5,13 @@ from math import isfinite
 from simulators.errors import UserError
 
 WORDS = {"true": True, "yes": True, "on": True, "false": False, "no": False, "off": False}
-KINDS = {int: "a whole number", float: "a number", bool: "true or false", str: "a text"}
+KINDS = {
+    int: "a whole number",
+    float: "a number",
+    bool: "true or false",
+    str: "a text",
+    object: "a number or a text",
+}
 
 
 def convert(what: str, value: object, kind: type) -> object:
@@ -23,6 +29,8 @@ def convert(what: str, value: object, kind: type) -> object:
 def _scalar(value: object, kind: type) -> object:
     if kind is bool:
         return value if isinstance(value, bool) else WORDS[str(value).lower()]
+    if kind is object and isinstance(value, (int, str)) and not isinstance(value, bool):
+        return value
     if isinstance(value, bool) or not isinstance(value, str if kind is str else (str, int, float)):
         raise TypeError(value)  # a number is no text: is it 4.20 or 4.2?
     if kind is int:

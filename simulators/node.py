@@ -4,20 +4,20 @@
 there acts on the model. Then every service publishes what has changed. Nothing calls upwards.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from math import inf, isfinite
 
 from simulators.clock import MICROSECONDS, Action, Clock, Scope, Timer, microseconds
 from simulators.device import Device
 from simulators.faults import Faults
-from simulators.services import State
+from simulators.services import Handler, State
 from simulators.services.emcy import EmcyLog
 from simulators.services.nmt import Reset
 from simulators.services.store import recall
 from simulators.slave import Slave
 from simulators.stack import Stack
-from simulators.wire import Frame, Outbox, Wire
+from simulators.wire import Frame, Outbox, Wire, through
 
 COMMUNICATION_AREA = range(0x1000, 0x2000)
 EVERYTHING = range(0x1000, 0x10000)
@@ -32,7 +32,7 @@ class Node:
         self.device = device
         self.clock = clock
         self.wire = Wire(clock, outbox, name)
-        self.faults = Faults(device.faults)
+        self.faults = Faults(device.faults)  # a segment adds those around it
         self.powered = False
         self._stack: Stack | None = None  # none: silent, whatever the reason
         self._before: Slave | None = None
@@ -80,12 +80,22 @@ class Node:
 
     def receive(self, frame: Frame) -> None:
         """Take a frame from the bus; what the node sends is in the outbox afterwards."""
-        stack = self._stack
-        if stack is None or frame.extended or self.wire.shut:
+        stack, wire = self._stack, self.wire
+        if stack is None or frame.extended or wire.shut:
             return
-        handlers = stack.routes.get((frame.can_id, frame.remote))
-        if handlers is None:
+        if wire.incoming:
+            through(wire.incoming, frame, self._take)
+        elif handlers := stack.routes.get((frame.can_id, frame.remote)):
+            self._act_on(frame, handlers)
+
+    def _take(self, frame: Frame) -> None:
+        """What the filters have let through, now or later."""
+        if self._stack is None or self.wire.shut:
             return
+        if handlers := self._stack.routes.get((frame.can_id, frame.remote)):
+            self._act_on(frame, handlers)
+
+    def _act_on(self, frame: Frame, handlers: Sequence[Handler]) -> None:
         self._catch_up()
         self.device.on_frame()
         for handle in handlers:

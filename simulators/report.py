@@ -22,7 +22,7 @@ def last_frames(records: Sequence[Record], nodes: Sequence[Node]) -> str:
 
 def device_state(node: Node) -> str:
     """NMT state, active faults and what a look at the model shows."""
-    faults = [_call(name, values) for name, values in node.faults.active.items()]
+    faults = [_call(node, name) for name in node.faults.active]
     lines = [
         f"{node.wire.name}: node {node.node_id}, {node.state if node.powered else 'power off'}",
         f"  faults: {', '.join(faults) or 'none'}",
@@ -31,5 +31,9 @@ def device_state(node: Node) -> str:
     return "\n".join(lines)
 
 
-def _call(name: str, values: dict[str, object]) -> str:
-    return f"{name}({', '.join(f'{key}={value}' for key, value in values.items())})"
+def _call(node: Node, name: str) -> str:
+    """A fault with the parameters that somebody has chosen."""
+    told = node.faults.known[name].parameters
+    values = node.faults.active[name].items()
+    chosen = [f"{key}={value}" for key, value in values if value != told[key].default]
+    return f"{name}({', '.join(chosen)})"

@@ -4,6 +4,8 @@ from collections import deque
 from collections.abc import Callable
 from typing import NamedTuple
 
+from simulators import mischief
+from simulators.arbitration import Arbitration
 from simulators.clock import Clock
 from simulators.device import Device
 from simulators.errors import UserError
@@ -38,6 +40,11 @@ class Segment:
         self._outbox: Outbox = deque()
         self._foreign = Wire(self.clock, self._outbox)
         self._touched: list[Node] = []
+        self._bus: Arbitration | None = None
+
+    def limit(self, bit_rate: int) -> None:
+        """Let frames take their time from now on, at so many bit/s; else they take none."""
+        self._bus = Arbitration(self.clock, bit_rate)
 
     def node(self, device: Device, name: str) -> Node:
         """Connect a device by a name of its own, with its power off.
@@ -49,6 +56,7 @@ class Segment:
             if other.device.node_id == device.node_id:
                 raise UserError(f"two nodes with node id {device.node_id} on one bus")
         node = Node(device, self.clock, self._outbox, name)
+        node.faults = mischief.faults(node, self.nodes)
         self.nodes.append(node)
         return node
 
@@ -82,9 +90,9 @@ class Segment:
         Listeners come after the nodes, as they may send in turn: no node hears the reply to a
         frame before the frame. They hear the frame that brings a bug to light, too.
         """
-        outbox = self._outbox
-        while outbox:
-            sender, frame = outbox.popleft()
+        arrived = self._outbox if self._bus is None else self._bus.arrived
+        while arrived:
+            sender, frame = arrived.popleft()
             try:
                 for node in self.nodes:
                     if node.wire is not sender:
@@ -92,6 +100,8 @@ class Segment:
             finally:
                 for listener in self.listeners:
                     listener(frame, sender.name)
+        if self._bus is not None:
+            self._bus.take(self._outbox)
 
     def advance(self, seconds: float) -> None:
         """Let time pass; frames are delivered at the moment they are sent."""

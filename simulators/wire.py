@@ -3,6 +3,7 @@
 import re
 from collections import deque
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import canopen
@@ -12,6 +13,7 @@ from simulators.errors import UserError
 
 LONGEST = 8  # data bytes of a classic CAN frame
 STANDARD_IDS = range(0x800)
+ANY_DIGIT, ANY_REST = "X", "*"
 NOTATION = re.compile(r"(?P<id>[0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})#(?P<rest>R[0-8]?|[0-9A-Fa-f.]*)")
 
 
@@ -50,6 +52,17 @@ def _payload(text: str, digits: str) -> bytes:
     return bytes.fromhex(digits)
 
 
+def pattern(text: str) -> re.Pattern[str]:
+    """Matches `str(frame)`: the notation of `cansend`, x for any digit, * at the end for any rest.
+
+    Raises:
+        UserError: the text is no frame with an x for some of its digits.
+    """
+    plain = text.strip().replace(".", "").upper()
+    Frame.parse(plain.removesuffix(ANY_REST).replace(ANY_DIGIT, "0"))
+    return re.compile(plain.replace(ANY_DIGIT, "[0-9A-F]").replace(ANY_REST, ".*"))
+
+
 class PeriodicFrame:
     """What canopen calls a periodic task: a timer of the clock, not a thread."""
 
@@ -68,6 +81,20 @@ class PeriodicFrame:
         self._timer.cancel()
 
 
+Onward = Callable[[Frame], None]
+
+Filter = Callable[[Frame, Onward], None]
+"""Gets a frame on its way and sends it onward: as it is or altered, now or later, or not at all."""
+
+
+def through(filters: Sequence[Filter], frame: Frame, end: Onward) -> None:
+    """Send a frame through filters, each to the next, the last to the end."""
+    if filters:
+        filters[0](frame, partial(through, filters[1:], end=end))
+    else:
+        end(frame)
+
+
 Outbox = deque[tuple["Wire", Frame]]
 
 
@@ -82,10 +109,18 @@ class Wire(canopen.Network):
         self.clock = clock
         self.name = name
         self.shut = False  # off the bus for a while: nothing goes out, nothing comes in
+        self.outgoing: list[Filter] = []
+        self.incoming: list[Filter] = []
         self.outbox: Outbox = deque() if outbox is None else outbox
 
     def put(self, frame: Frame) -> None:
         """Send a frame."""
+        if self.outgoing and not self.shut:
+            through(self.outgoing, frame, self._send)
+        elif not self.shut:
+            self.outbox.append((self, frame))
+
+    def _send(self, frame: Frame) -> None:
         if not self.shut:
             self.outbox.append((self, frame))
 

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from simulators import devices
+from simulators import Bench, devices
 from simulators.cli import main
 from simulators.commands.lock import held
 from simulators.resources import od_file, scenarios
@@ -55,8 +55,29 @@ def test_every_setting_and_every_fault_of_every_device_is_told(said, device):
     names = [line.split()[0] for line in told.splitlines()[1:]]
     assert names == list(devices.find(device).settings_type.__dataclass_fields__)
     _, told, _ = said("faults", device)
-    for name, fault in devices.create(device).faults.items():
+    for name, fault in Bench(device).twin.node.faults.known.items():
         assert f"{name}\n    {fault.text}\n" in told
+
+
+def test_the_faults_of_every_device_are_told_level_by_level(said):
+    _, told, _ = said("faults")
+    headings = ["protocol level:", "node level:", "line level:", "Which one is struck"]
+    places = [told.index(heading) for heading in headings]
+    assert places == sorted(places)
+    assert "    The master sees: A time-out; what was written is written.\n" in told
+    assert "    code: abort code (default: 0x8000000)\n" in told
+    assert "    nth, times, probability, burst, seed: which one is struck\n" in told
+    assert told.count("the first one that is struck, counted from 1 (default: 1)") == 1
+
+
+def test_faults_are_told_to_programs(said):
+    _, told, _ = said("faults", "topcon", "--json")
+    faults = json.loads(told)
+    assert faults["interlock_open"]["level"] == "device"
+    assert faults["heartbeat_late"]["parameters"]["seconds"] == {
+        "text": "by how much, in s",
+        "default": 1.0,
+    }
 
 
 def test_the_eds_is_printed_as_it_is_shipped(said):

@@ -60,6 +60,36 @@ def test_what_is_not_active_is_cleared_without_effect(faults, log):
     assert log == []
 
 
+def test_a_fault_that_has_healed_is_not_active_and_is_cleared_all_the_same(log):
+    healed = []
+    faults = Faults(
+        {
+            "short": Fault(
+                "heals",
+                lambda: log.append("inject"),
+                lambda: log.append("clear"),
+                over=lambda: bool(healed),
+            )
+        }
+    )
+    faults.inject("short")
+    assert list(faults.active) == ["short"]
+    healed.append(True)
+    assert list(faults.active) == []
+    faults.clear()
+    assert log == ["inject", "clear"]
+
+
+def test_what_is_around_a_device_is_not_injected_again_when_its_power_comes(log):
+    around = {"line": Fault("around", lambda: log.append("line"), lambda: None)}
+    faults = Faults({"own": Fault("own", lambda: log.append("own"), lambda: None)}, around)
+    faults.inject("line")
+    faults.inject("own")
+    log.clear()
+    faults.renew()
+    assert log == ["own"]
+
+
 def test_what_is_active_can_be_injected_again_as_it_was(faults, log):
     faults.inject("lasting", number=3)
     faults.inject("passing")

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from simulators.clock import Clock
 from simulators.errors import UserError
-from simulators.wire import Frame, Wire
+from simulators.wire import Frame, Wire, pattern, through
 
 DATA = st.binary(max_size=8)
 STANDARD = st.builds(Frame, st.integers(0, 0x7FF), DATA, st.just(False), st.just(False))
@@ -102,3 +102,56 @@ def test_a_periodic_frame_is_a_timer_of_the_clock():
     task.stop()
     clock.advance(1.0)
     assert [str(frame) for _, frame in wire.outbox] == ["080#01", "080#01", "080#02"]
+
+
+@pytest.mark.parametrize(
+    ("text", "like", "unlike"),
+    [
+        ("185#xx05", ["185#0005", "185#FF05"], ["185#0006", "185#000500", "186#0005"]),
+        ("7xx#*", ["705#05", "7FF#", "700#R"], ["605#05", "00000705#05"]),
+        ("185#40.10*", ["185#4010", "185#401020"], ["185#40", "185#R"]),
+        ("185#R", ["185#R"], ["185#"]),
+    ],
+)
+def test_x_is_any_digit_and_a_star_any_rest(text, like, unlike):
+    assert [frame for frame in like + unlike if pattern(text).fullmatch(frame)] == like
+
+
+@pytest.mark.parametrize("text", ["", "185", "185#x", "185#*00", "8xx#", "1*#00"])
+def test_what_is_no_frame_is_no_pattern_either(text):
+    with pytest.raises(UserError):
+        pattern(text)
+
+
+def test_a_frame_goes_through_every_filter_as_the_one_before_sends_it_onward():
+    def twice(frame, onward):
+        onward(frame)
+        onward(frame)
+
+    def longer(frame, onward):
+        onward(frame._replace(data=frame.data + b"\1"))
+
+    wire = Wire(Clock())
+    wire.outgoing += [twice, longer]
+    wire.put(Frame(5))
+    wire.outgoing.append(lambda frame, onward: None)
+    wire.put(Frame(6))
+    assert [str(frame) for _, frame in wire.outbox] == ["005#01", "005#01"]
+
+
+def test_a_frame_that_a_filter_sends_onward_later_stays_behind_when_the_wire_is_shut():
+    kept = []
+    wire = Wire(Clock())
+    wire.outgoing.append(lambda frame, onward: kept.append((frame, onward)))
+    wire.put(Frame(5))
+    wire.shut = True
+    for frame, onward in kept:
+        onward(frame)
+    wire.put(Frame(6))
+    assert (len(kept), len(wire.outbox)) == (1, 0)
+
+
+def test_without_a_filter_a_frame_is_at_the_end_at_once():
+    arrived = []
+    through([], Frame(5), arrived.append)
+    assert arrived == [Frame(5)]

@@ -1,4 +1,4 @@
-"""What there is: devices, their objects, settings, faults and EDS files."""
+"""What there is: devices, their objects, settings and EDS files."""
 
 import argparse
 from collections.abc import Iterable, Iterator, Sequence
@@ -47,16 +47,6 @@ def settings(options: argparse.Namespace) -> int:
         default = entry.default if isinstance(entry.default, str) else str(entry.default).lower()
         rows.append((entry.name, default, told.assumed, f"{told.text}{unit}{within}{live}"))
     _table(rows)
-    return 0
-
-
-def faults(options: argparse.Namespace) -> int:
-    """Every fault with its parameters."""
-    for name, fault in devices.create(options.device).faults.items():
-        print(f"{name}\n    {fault.text}")
-        for parameter, told in fault.parameters.items():
-            default = "" if told.default is None else f" (default: {told.default})"
-            print(f"    {parameter}: {told.text}{default}")
     return 0
 
 

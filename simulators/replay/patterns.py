@@ -1,14 +1,14 @@
 """Which frames of a node are meant."""
 
-import re
 from dataclasses import dataclass
 from functools import cached_property
+from re import Pattern as Expression
 from typing import Protocol
 
 from simulators.node import Node
 from simulators.services import State
 from simulators.services.heartbeat import STATE_BYTE
-from simulators.wire import Frame
+from simulators.wire import Frame, pattern
 
 EMCY_LENGTH = 8
 
@@ -46,7 +46,7 @@ class AnyFrame:
 
 @dataclass(frozen=True)
 class FrameLike:
-    """A frame in the notation of cansend, in capitals, with X for any digit."""
+    """A frame in the notation of cansend, in capitals, with X for any digit and * for any rest."""
 
     text: str
 
@@ -63,8 +63,8 @@ class FrameLike:
         return str(frame)
 
     @cached_property
-    def _digits(self) -> re.Pattern[str]:
-        return re.compile(self.text.replace("X", "[0-9A-F]"))
+    def _digits(self) -> Expression[str]:
+        return pattern(self.text)
 
     def __str__(self) -> str:
         return self.text.replace("X", "x")

@@ -10,8 +10,9 @@ from typing import Any
 from simulators.device import Device
 from simulators.documents.document import Item, Pair
 from simulators.errors import unknown
-from simulators.faults import Faults, argument
+from simulators.faults import argument
 from simulators.replay.targets import Targets
+from simulators.segment import Segment
 
 
 class Rehearsal:
@@ -19,7 +20,7 @@ class Rehearsal:
 
     def __init__(self, device: Device) -> None:
         self._device = device
-        self._faults = Faults(device.faults)
+        self._faults = Segment().node(device, "rehearsal").faults
         self.targets = Targets(device.dictionary())
 
     def set(self, item: Item) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from simulators.replay.rehearsal import Rehearsal
 from simulators.replay.scenario import Expectation
 from simulators.replay.targets import Target
 from simulators.services import State
-from simulators.wire import Frame
+from simulators.wire import pattern
 
 NONE = "none"
 HEARTBEATS: Mapping[str, State] = {
@@ -42,9 +42,8 @@ def parse_emcy(item: Item, within: float, rehearsal: Rehearsal) -> Expectation:
 
 def parse_frame(item: Item, within: float, rehearsal: Rehearsal) -> Expectation:
     """`185#3C05xxxxxxxxxxxx`."""
-    text = item.text.strip().replace(".", "").upper()
-    Frame.parse(text.replace("X", "0"))
-    return Comes(within, FrameLike(text))
+    pattern(item.text)
+    return Comes(within, FrameLike(item.text.strip().replace(".", "").upper()))
 
 
 def parse_heartbeat(item: Item, within: float, rehearsal: Rehearsal) -> Expectation:

@@ -76,6 +76,17 @@ def register(errors: Iterable[Emcy]) -> int:
     return reduce(or_, (emcy.register for emcy in errors), 0)
 
 
+def emcy_id(slave: Slave) -> int | None:
+    """The identifier of its emergencies; none while they are switched off."""
+    cob_id = slave.number(0x1014) if slave.has(0x1014) else 0x80 + slave.node_id
+    return None if cob_id & cob_ids.INVALID else cob_id & cob_ids.CAN_ID
+
+
+def emcy_data(emcy: Emcy, bits: int) -> bytes:
+    """A message as it goes over the wire, with the error register of the moment."""
+    return emcy.code.to_bytes(2, "little") + bytes([bits]) + emcy.field
+
+
 class EmcyProducer(Service):
     """Tells every error once, keeps 0x1001 and 0x1003, and says when it is over.
 
@@ -141,10 +152,9 @@ class EmcyProducer(Service):
             self._send(new, self.log.register)
 
     def _send(self, emcy: Emcy, bits: int) -> None:
-        cob_id = self.slave.number(0x1014) if self.slave.has(0x1014) else 0x80 + self.slave.node_id
-        if not cob_id & cob_ids.INVALID:
-            data = emcy.code.to_bytes(2, "little") + bytes([bits]) + emcy.field
-            self.slave.wire.put(Frame(cob_id & cob_ids.CAN_ID, data))
+        cob_id = emcy_id(self.slave)
+        if cob_id is not None:
+            self.slave.wire.put(Frame(cob_id, emcy_data(emcy, bits)))
 
     def _check_cob_id(self, value: int) -> None:
         if value & BIT_30:

@@ -121,6 +121,8 @@ def test_a_heartbeat_that_should_not_be_there_is_told(played):
         ("585#4b082000", "FAIL"),
         ("5x5#4b082000xxxx0000", "PASS"),
         ("585#R", "FAIL"),
+        ("585#4b08*", "PASS"),
+        ("585#43*", "FAIL"),
         ("605#40.08.20.00.00.00.00.00", "FAIL"),
     ],
 )

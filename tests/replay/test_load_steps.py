@@ -169,6 +169,9 @@ def test_settings_and_faults_are_tried_on_the_device_itself(problems):
           - {at: 1, set: {load: open, ambient: cold}}
           - {at: 1, inject: {mains: {volts: 1000}}}
           - {at: 1, inject: {interlock_open: {}, error: {number: 0x14D}}}
+          - {at: 1, inject: {sdo_abort: {object: Voltage}}}
+          - {at: 1, inject: {sdo_abort: {nth: 0}}}
         """
     found = problems(text)
-    assert [line.split(": ")[0] for line in found] == ["4:25", "5:40", "6:29", "7:49"]
+    places = [line.split(": ")[0] for line in found]
+    assert places == ["4:25", "5:40", "6:29", "7:49", "8:33", "9:39"]

@@ -80,6 +80,20 @@ def test_power_goes_and_comes_back(played):
     assert frames == ["0 705#00", "2 705#00"]
 
 
+def test_faults_that_every_device_has_are_injected_in_the_same_way(played):
+    frames, outcomes = played(
+        """\
+        - {at: 1, inject: {sdo_abort: {object: Byte, code: 0x08000022, times: 1}}}
+        - {at: 1, write: {Byte: 1}, abort: 0x08000022}
+        - {at: 1, write: {Byte: 1}}
+        - {at: 2, inject: {frame_lost: {frame: 585#*}, power_cycle: {seconds: 0.5}}}
+        - {at: 3, clear: all}
+        """
+    )
+    assert outcomes == ["PASS 1 Byte is refused with 0x08000022 (device state)"]
+    assert frames[-1] == "2.5 705#00"
+
+
 def test_faults_come_and_go_by_name_and_all_together(played):
     frames, _ = played(
         """\

@@ -1,0 +1,65 @@
+"""What can go wrong: the faults of a device, and those that every device has, level by level."""
+
+import argparse
+import json
+from collections.abc import Mapping
+from itertools import groupby
+
+from simulators import devices
+from simulators.device import Device
+from simulators.faults import Fault, Parameter
+from simulators.mischief import AIM
+from simulators.segment import Segment
+
+LARGEST_COUNT = 999
+HEADINGS = {"device": "Of this device:"}
+
+
+def faults(options: argparse.Namespace) -> int:
+    """Every fault with what a master should see of it and its parameters, as text or as JSON."""
+    device = devices.create(options.device) if options.device else Device()
+    known = Segment().node(device, "").faults.known
+    if options.json:
+        print(json.dumps({name: _entry(fault) for name, fault in known.items()}, indent=2))
+        return 0
+    for level, group in groupby(known.items(), key=lambda item: item[1].level):
+        print(HEADINGS.get(level, f"Of every device, {level} level:"), end="\n\n")
+        for name, fault in group:
+            _tell(name, fault)
+        print()
+    print("Which one is struck, wherever it says so above:", end="\n\n")
+    _tell_parameters(AIM)
+    return 0
+
+
+def _tell(name: str, fault: Fault) -> None:
+    print(f"{name}\n    {fault.text}")
+    if fault.sees:
+        print(f"    The master sees: {fault.sees}")
+    own = {key: told for key, told in fault.parameters.items() if AIM.get(key) is not told}
+    _tell_parameters(own)
+    if len(own) < len(fault.parameters):
+        print(f"    {', '.join(AIM)}: which one is struck")
+
+
+def _tell_parameters(parameters: Mapping[str, Parameter]) -> None:
+    for parameter, told in parameters.items():
+        default = "" if told.default is None else f" (default: {_word(told.default)})"
+        print(f"    {parameter}: {told.text}{default}")
+
+
+def _word(value: float | str) -> str:
+    """Numbers of the protocol, which are the large ones, as it writes them."""
+    return f"0x{value:X}" if isinstance(value, int) and value > LARGEST_COUNT else str(value)
+
+
+def _entry(fault: Fault) -> Mapping[str, object]:
+    return {
+        "level": fault.level,
+        "text": fault.text,
+        "sees": fault.sees,
+        "parameters": {
+            name: {"text": told.text, "default": told.default}
+            for name, told in fault.parameters.items()
+        },
+    }
