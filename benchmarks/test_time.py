@@ -72,3 +72,21 @@ def test_control_loop(benchmark: BenchmarkFixture):
 
     benchmark.pedantic(ten_seconds, rounds=5, warmup_rounds=1)
     assert bench.device.stage.running
+
+
+def test_calibration(benchmark: BenchmarkFixture):
+    """Twenty minutes of high voltage, a set of TPDOs every 500 ms and a heartbeat every second."""
+
+    def calibrating() -> tuple[tuple[Bench], dict[str, object]]:
+        bench = Bench("charger")
+        parameters = bench.sdo[0x2002]
+        parameters[0x02].raw, parameters[0x08].raw, parameters[0x19].raw = 8, 20_000, 2
+        bench.master.nmt.state = "OPERATIONAL"
+        bench.send("263#0F")
+        return (bench,), {}
+
+    def calibrate(bench: Bench) -> None:
+        bench.run(20 * 60.0)
+        assert bench.sdo[0x2002][0x1A].raw == 10_000_000
+
+    benchmark.pedantic(calibrate, setup=calibrating, rounds=7)

@@ -22,6 +22,7 @@ PROGRAM = "canopen-twin"
 
 DEVICE = "one of `canopen-twin list`"
 SCENARIO = "a file, or the name of one that is shipped"
+HUB = "join a hub (default: 127.0.0.1:29536)"
 VERBOSE = "tell more; -vv the most"
 
 Command = Callable[[argparse.Namespace], int]
@@ -86,12 +87,14 @@ def parser() -> argparse.ArgumentParser:
     commands = top.add_subparsers(metavar="COMMAND", required=True, parser_class=Parser)
     _catalogue(commands)
     _run(commands)
+    _hub(commands)
     for name, text in (
         ("play", "play scenarios in simulated time: a trace in candump format, then the verdict"),
         ("check", "say what is wrong with scenarios, without playing them"),
     ):
         command = _command(commands, name, text, "scenarios", name)
         command.add_argument("scenarios", nargs="+", metavar="SCENARIO", help=SCENARIO)
+    _vcan(commands)
     return top
 
 
@@ -123,18 +126,32 @@ def _catalogue(commands: Commands) -> None:
 
 
 def _run(commands: Commands) -> None:
-    text = "run a twin on a CAN bus in real time, until it is stopped or its scenario is over"
+    text = "run twins on a CAN bus in real time, until they are stopped or a scenario is over"
     command = _command(commands, "run", text, "run", "run")
-    _device_arguments(command)
+    _device_arguments(command, f"{DEVICE}, or a bench file")
     command.add_argument("--scenario", metavar="SCENARIO", help=SCENARIO)
     command.add_argument(
         "--nvram", type=Path, metavar="FILE", help="keep what the device stores in a file"
     )
+    command.add_argument(
+        "--hub", nargs="?", const="", metavar="HOST:PORT", help=f"{HUB}; the bus is that of -c"
+    )
+    command.add_argument(
+        "--real-bus", action="store_true", help="the bus may have real devices on it"
+    )
     command.late = _bus_arguments
 
 
-def _device_arguments(command: Parser) -> None:
-    command.add_argument("device", metavar="DEVICE", help=DEVICE)
+def _hub(commands: Commands) -> None:
+    text = "run a hub: buses that every process of this machine can join, with no vcan and no root"
+    command = _command(commands, "hub", text, "hub", "hub")
+    command.add_argument(
+        "--listen", default="", metavar="HOST:PORT", help="where (default: 127.0.0.1:29536)"
+    )
+
+
+def _device_arguments(command: Parser, text: str = DEVICE) -> None:
+    command.add_argument("device", metavar="DEVICE", help=text)
     command.add_argument(
         "-n", "--node-id", type=partial(int, base=0), metavar="ID", help="1..127, or as 0x05"
     )
@@ -147,3 +164,15 @@ def _bus_arguments(command: argparse.ArgumentParser) -> None:
     from can.cli import add_bus_arguments  # noqa: PLC0415
 
     add_bus_arguments(command)
+
+
+def _vcan(commands: Commands) -> None:
+    text = "run a command where there is a real vcan0: here, or in a user-mode Linux guest"
+    command = _command(commands, "vcan", text, "vcan", "vcan")
+    command.add_argument(
+        "--limit", type=float, default=300.0, metavar="SECONDS", help="end it after this time (300)"
+    )
+    command.add_argument(
+        "--out", type=Path, metavar="DIR", help="keep what is written there; the rest is lost"
+    )
+    command.add_argument("words", nargs="+", metavar="COMMAND", help="after --, with its arguments")

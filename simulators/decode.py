@@ -66,10 +66,11 @@ class Decoder:
                     yield slave, Rpdo(slave, number, lambda *_: None)
 
     def _emcy(self, frame: Frame, slave: Slave | None) -> str:
-        code = int.from_bytes(frame.data[:2], "little")
+        code, register = int.from_bytes(frame.data[:2], "little"), frame.data[2:3]
         known = next((emcy for emcy in self._active() if _is(emcy, code, frame.data[3:])), None)
-        label = known.label if known else "" if code else "no error left"
-        return f"EMCY {code:04X}h register {frame.data[2:3].hex()}h {label}".strip()
+        over = "one error less" if any(register) else "no error left"
+        label = known.label if known else "" if code else over
+        return f"EMCY {code:04X}h register {register.hex()}h {label}".strip()
 
     def _active(self) -> Iterator[Emcy]:
         for node in self._nodes:

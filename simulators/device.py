@@ -15,7 +15,6 @@ from simulators.objects import Address, Object, Rejected
 from simulators.profile import Profile
 from simulators.services import Service, State
 from simulators.services.emcy import Emcy, Farewell, when_all_are_gone
-from simulators.services.pdo import Pdo
 from simulators.services.rpdo import Rpdo
 from simulators.services.tpdo import Tpdo
 from simulators.settings import changed, setting
@@ -109,8 +108,8 @@ class Device:
         """A fresh object dictionary for the slave that is about to boot."""
         return dictionary(self.eds, self.node_id)
 
-    def pdos(self, slave: Slave) -> Iterable[Pdo]:
-        """The PDOs of the dictionary."""
+    def pdos(self, slave: Slave) -> Iterable[Service]:
+        """The PDOs of the dictionary, and what may drive them."""
         yield from (Rpdo(slave, number, self.on_rpdo_refused) for number in Rpdo.numbers(slave))
         yield from (Tpdo(slave, number) for number in Tpdo.numbers(slave))
 
@@ -129,6 +128,20 @@ class Device:
 
     def reset_communication(self) -> None:
         """NMT 82h: only the communication starts afresh."""
+
+    def save(self) -> None:
+        """0x1010: keep in the memory what is not among `stored`.
+
+        Raises:
+            OSError: the memory cannot be written; the master is told.
+        """
+
+    def restore(self) -> None:
+        """0x1011: keep the factory settings of the same.
+
+        Raises:
+            OSError: as for `save`.
+        """
 
     def on_state(self, state: State) -> None:
         """The node has entered an NMT state."""

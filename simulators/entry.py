@@ -44,7 +44,7 @@ class Entry:
         self._adjusts: list[Callable[[int], int]] = []
         self._writes: list[Callable[[int], None]] = []
         self._cell = cell
-        cell[variable.subindex] = self._initial()
+        cell[variable.subindex] = self.initial
 
     def bind(self, acts: Object) -> None:
         """Let an object act, after those that do already; the first that has a value is read."""
@@ -84,7 +84,8 @@ class Entry:
             write(value)
         return self.pack(value)
 
-    def _initial(self) -> bytes:
+    @property
+    def initial(self) -> bytes:
         """ParameterValue or DefaultValue of the EDS; zero for a number that has neither."""
         variable: Any = self.variable
         value: Value | None = variable.default if variable.value is None else variable.value

@@ -24,6 +24,8 @@ class Memory:
 
     def __init__(self, path: Path | None = None) -> None:
         self.path = path
+        self.worn = False
+        """Whether it takes nothing any more, as after too many cycles."""
         self._sections: dict[str, dict[str, Any]] = _read(path) if path else {}
 
     def load(self, section: str) -> Mapping[str, Any]:
@@ -34,8 +36,10 @@ class Memory:
         """Replace a section.
 
         Raises:
-            OSError: the file cannot be written; the memory is then as before.
+            OSError: the file cannot be written, or it is worn; the memory is then as before.
         """
+        if self.worn:
+            raise OSError("it is worn")
         sections = {**self._sections, section: dict(values)}
         if self.path is not None:
             _write(self.path, sections)

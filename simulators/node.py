@@ -67,7 +67,6 @@ class Node:
         self.device.power_on()
         self.faults.renew()
         self._settle()
-        self._arm()
 
     def power_off(self) -> None:
         """Switch the supply off: what is not in the memory is lost."""

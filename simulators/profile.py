@@ -49,5 +49,9 @@ class Profile:
     """Abort code for an unused entry of 0x1003; it reads 0 without one."""
     strict_cob_id: bool = False
     """Whether a new COB-ID needs two writes, bit 31 first, and bit 30 of an RPDO as it is."""
+    store_signature: bool = True
+    """Whether 0x1010 and 0x1011 want their signature; any value does otherwise."""
     store_code: int = Abort.NOT_TRANSFERABLE
     """Abort code for a wrong signature in 0x1010 and 0x1011."""
+    restore_at_once: bool = False
+    """Whether 0x1011 acts at once; after the next reset otherwise."""

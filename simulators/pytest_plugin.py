@@ -1,7 +1,8 @@
 """pytest fixtures for who tests master software; no CAN is imported before one is used.
 
-`canopen_bench` makes benches in simulated time, `canopen_device` serves twins on a python-can bus
-in real time, and every device has a fixture of its own name: a bench with this twin on it.
+`canopen_bench` makes benches in simulated time, `canopen_simulated_time` takes an unmodified master
+there, `canopen_device` serves twins on a python-can bus in real time, and every device has a
+fixture of its own name: a bench with this twin on it.
 """
 
 from __future__ import annotations
@@ -87,6 +88,25 @@ class BenchFactory:
 def canopen_bench(request: pytest.FixtureRequest) -> BenchFactory:
     """Makes benches: `canopen_bench("topcon", node_id=5)`; there is nothing to close."""
     return BenchFactory(request.node.stash.setdefault(SHOWN, []))
+
+
+@pytest.fixture
+def canopen_simulated_time() -> Iterator[Callable[..., None]]:
+    """`canopen_simulated_time(bench, "my_master")`: simulated time until the end of the test.
+
+    What is a bench's, canopen's and the named modules' waits no more in real time: see
+    `simulators.simulated_time.simulated_time`.
+    """
+    from contextlib import ExitStack  # noqa: PLC0415
+
+    from simulators.simulated_time import simulated_time  # noqa: PLC0415
+
+    with ExitStack() as entered:
+
+        def enter(bench: Bench, *modules: ModuleType | str) -> None:
+            entered.enter_context(simulated_time(bench, *modules))
+
+        yield enter
 
 
 @pytest.fixture

@@ -37,7 +37,7 @@ class Stack:
             Sync(slave),
             *device.pdos(slave),
             EmcyProducer(slave, log, lambda: device.emergencies, device.farewell),
-            Store(slave, device.memory, device.stored),
+            Store(slave, device.memory, device.stored, device),
             *device.services(slave),
         ]
         slave.on_communication_change = self._on_communication_change

@@ -27,6 +27,7 @@ class Probe(Device):
         super().__init__(node_id=node_id)
         self.profile = Profile(**profile)
         self.told = []
+        self.frames = 0
         self.level = 0
         self.content = b""
         self.falls_over = False
@@ -75,8 +76,17 @@ class Probe(Device):
     def reset_communication(self):
         self.told.append("reset communication")
 
+    def save(self):
+        self.told.append("save")
+
+    def restore(self):
+        self.told.append("restore")
+
     def on_state(self, state):
         self.told.append(str(state))
+
+    def on_frame(self):
+        self.frames += 1
 
     def on_heartbeat(self, node_id, alive):
         self.told.append(f"node {node_id} is {'back' if alive else 'silent'}")

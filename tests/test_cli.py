@@ -73,7 +73,10 @@ WRONG = [
     (["run", "topcon", "--set", "serial=x"], "setting 'serial' wants a whole number, not 'x'"),
     (["play", "nothing.yaml"], "unknown scenario 'nothing.yaml'"),
     (["run", "topcon", "--nvram", "/nowhere/memory"], "/nowhere/memory cannot be kept there"),
-    (["run", "topcon", "-i", "slcan", "-c", "/nowhere"], "the bus cannot be opened: "),
+    (
+        ["run", "topcon", "-i", "slcan", "-c", "/nowhere", "--real-bus"],
+        "the bus cannot be opened: ",
+    ),
     (
         ["run", "another", "--scenario", "topcon_overvoltage.yaml"],
         "topcon_overvoltage.yaml is about topcon, not about another",

@@ -12,6 +12,7 @@ WORDS = [
     ("080#", "SYNC"),
     ("085#0023032300000000", "EMCY 2300h register 03h"),
     ("085#0000000000000000", "EMCY 0000h register 00h no error left"),
+    ("085#0000050133000000", "EMCY 0000h register 05h one error less"),
     ("185#R", "TPDO1 requested"),
     (
         "185#D007D007E2040300",

@@ -31,6 +31,7 @@ class Reader:
         for block in BLOCK.finditer(text):
             language, file, code = block.groups()
             if file:
+                Path(file).parent.mkdir(parents=True, exist_ok=True)
                 Path(file).write_text(code, "utf-8")
             elif language == "python":
                 above = "\n" * (text.count("\n", 0, block.start()) + 1)  # for tracebacks
@@ -45,7 +46,7 @@ class Reader:
                 assert self.programs[program](arguments) == 0, line
 
     def pytest(self, arguments):
-        return self.pytester.runpytest_inprocess("-p", "no:cacheprovider", *arguments).ret
+        return self.pytester.runpytest_subprocess("-p", "no:cacheprovider", *arguments).ret
 
 
 def page_of(device):
@@ -54,6 +55,7 @@ def page_of(device):
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(DOCS)))
 def test_what_a_page_shows_works(page, pytester):
+    pytester.syspathinsert()  # as for whoever types it in this directory
     Reader(page, pytester).read()
 
 

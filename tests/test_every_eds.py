@@ -121,6 +121,18 @@ def test_dcfchk_finds_nothing_to_say(eds, node_id):
     assert (result.returncode, result.stdout, result.stderr) == (0, "", "")
 
 
+def test_dcfgen_makes_a_boot_master_without_a_word(eds, dictionary, tmp_path):
+    heartbeat = "heartbeat_producer: 100" if dictionary[0x1017].writable else ""
+    (tmp_path / "bus.yaml").write_text(
+        f"master: {{node_id: 127, heartbeat_consumer: true}}\n"
+        f"slave: {{dcf: {eds}, node_id: {NODE_ID}, {heartbeat}}}\n"
+    )
+    command = [sys.executable, "-m", "dcfgen.cli", "-r", "-d", tmp_path, tmp_path / "bus.yaml"]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (result.returncode, result.stdout, result.stderr) == (0, "", "")
+    assert (tmp_path / "master.dcf").exists()
+
+
 def test_the_lists_name_every_object_once(raw):
     listed = []
     for name in LISTS:

@@ -32,6 +32,15 @@ def test_nobody_can_change_the_memory_without_storing():
     assert memory.load("a") == {"one": 1}
 
 
+def test_a_worn_memory_keeps_what_it_has_and_takes_nothing():
+    memory = Memory()
+    memory.store("a", {"one": 1})
+    memory.worn = True
+    with pytest.raises(OSError, match="worn"):
+        memory.store("a", {"one": 2})
+    assert memory.load("a") == {"one": 1}
+
+
 def test_a_file_has_what_was_stored_when_store_returns(path):
     Memory(path).store("parameters", {"2001:00": "1234"})
     assert Memory(path).load("parameters") == {"2001:00": "1234"}

@@ -46,6 +46,7 @@ def test_power_off_is_told_once(bench):
 
 
 def test_a_power_cycle_starts_everything_volatile_afresh(bench):
+    bench.send("000#8205")
     for write in ("605#2B17100064000000", "605#2B01200001000000", "605#2B00210007000000"):
         bench.send(write)
     bench.power_off()
@@ -92,9 +93,11 @@ def test_no_timer_outlives_a_reset(operational, reset):
     assert operational.clock.next_deadline == inf
 
 
-def test_a_device_that_goes_offline_falls_silent_and_boots_when_it_is_back(bench):
+def test_a_device_that_goes_offline_falls_silent_and_boots_afresh_when_it_is_back(bench):
     bench.device.rest = 0
-    bench.send("605#2B17100064000000")
+    bench.send("000#8205")
+    for write in ("605#2B17100064000000", "605#2B01200001000000"):
+        bench.send(write)
     bench.run(0.1)
     bench.device.online = False
     assert bench.run(1.0) == []
@@ -102,6 +105,7 @@ def test_a_device_that_goes_offline_falls_silent_and_boots_when_it_is_back(bench
     bench.device.online = True
     assert bench.run(0.01) == ["705#00"]
     assert bench.send("605#4017100000000000") == ["585#4B17100000000000"]
+    assert bench.send("605#4001200000000000") == ["585#4B01200034120000"]
 
 
 def test_a_device_that_is_offline_at_power_on_boots_later():
@@ -156,10 +160,10 @@ def test_time_has_passed_before_a_frame_or_a_command_acts(bench):
     probe = bench.device
     bench.run(0.05)
     bench.inject("level", value=3)
-    bench.send("605#2B00210004000000")
+    assert probe.steps == [0.05]
     bench.run(0.02)
     bench.send("605#2B00210005000000")
-    assert probe.told[2:] == [0.05, 0.02]
+    assert probe.steps == [0.05, 0.02]
 
 
 def test_a_device_that_rests_for_a_while_is_stepped_when_that_is_over():
@@ -194,6 +198,12 @@ def test_a_resting_device_that_is_acted_upon_is_asked_again_how_long_it_rests(be
     assert probe.steps[4:] == [0.01]
 
 
+def test_a_device_is_told_of_every_frame_it_listens_to_and_no_other(bench):
+    for text in (READ_LEVEL, "605#40", "080#", "606#4000210000000000", "000#0205", READ_LEVEL):
+        bench.send(text)
+    assert bench.device.frames == 3
+
+
 def test_frames_that_nobody_hears_do_not_wake_a_device(bench):
     bench.run(1.0)
     for text in ("123#00", "606#4000210000000000", "00000605#4000210000000000", "605#R"):
@@ -216,6 +226,15 @@ def test_the_model_lags_behind_by_less_than_a_cycle_after_a_frame(rest, pieces):
             bench.send(READ_LEVEL)
             assert 0 <= bench.clock.now - sum(probe.steps) < 0.010_001
     assert all(round(dt * 1_000_000) % 10_000 == 0 for dt in probe.steps)
+
+
+def test_a_device_that_rests_is_armed_by_its_power(bench):
+    bench.device.rest = 0.1
+    bench.power_off()
+    bench.run(1.0)
+    bench.power_on()
+    bench.run(0.25)
+    assert bench.twin.node.device.steps == [0.1, 0.1]
 
 
 def test_supply_that_comes_between_two_cycles_starts_the_grid_there():

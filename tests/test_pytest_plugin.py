@@ -55,7 +55,9 @@ def test_every_device_has_a_fixture_and_every_test_a_fresh_one(run):
 
 def test_the_fixtures_are_listed_with_what_they_are(run):
     result = run("", "--fixtures")
-    result.stdout.fnmatch_lines_random(["canopen_bench*", "canopen_device*", "topcon*"])
+    result.stdout.fnmatch_lines_random(
+        ["canopen_bench*", "canopen_device*", "canopen_simulated_time*", "topcon*"]
+    )
 
 
 def test_a_failing_test_shows_the_last_frames_in_words_the_faults_and_the_device(run):
@@ -81,6 +83,33 @@ def test_a_failing_test_shows_the_last_frames_in_words_the_faults_and_the_device
 def test_a_passing_test_shows_nothing(run):
     result = run("def test_passes(topcon): pass", "-rA")
     result.stdout.no_fnmatch_line("*last frames*")
+
+
+def test_a_master_is_taken_to_simulated_time_until_the_end_of_the_test(run, pytester):
+    pytester.makepyfile(
+        supply="""
+        import time
+        import canopen
+
+        def nominal_voltage(eds):
+            with canopen.Network().connect(interface="socketcan", channel="can0") as network:
+                time.sleep(1000)
+                return network.add_node(1, eds).sdo["Nominal voltage"].raw
+        """
+    )
+    run("""
+        import supply
+        from time import sleep
+        from simulators.slave import dictionary
+
+        def test_simulated(topcon, canopen_simulated_time):
+            canopen_simulated_time(topcon, "supply")
+            assert supply.nominal_voltage(dictionary("topcon.eds", 1)) == 400
+            assert topcon.clock.now > 1000
+
+        def test_real():
+            assert supply.time.sleep is sleep
+    """).assert_outcomes(passed=2)
 
 
 def test_a_served_device_answers_a_master_in_real_time(run):

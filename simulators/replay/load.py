@@ -1,5 +1,6 @@
-"""Reads a scenario file: everything wrong with it at once, before anything is on a bus."""
+"""Reads scenarios and bench files: all that is wrong at once, before anything is on a bus."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from simulators import devices
@@ -9,6 +10,7 @@ from simulators.replay.cast import Find, read_node
 from simulators.replay.rehearsal import Rehearsal
 from simulators.replay.scenario import NodeSpec, Scenario
 from simulators.replay.steps import StepReader
+from simulators.segment import Segment
 
 VERSION = 1
 
@@ -44,6 +46,33 @@ def load(path: Path, find: Find = devices.find) -> Scenario:
                 reader.read(step)
     problems.settle()
     return Scenario(path, texts["name"], texts["note"], nodes, tuple(reader.steps))
+
+
+def load_bench(path: Path, find: Find = devices.find) -> Mapping[str, NodeSpec]:
+    """The nodes of a bench file, by their names there.
+
+    Args:
+        path: Of the file.
+        find: As for `load`.
+
+    Raises:
+        ScenarioError: with a line for everything that is wrong; two nodes may have one node id.
+    """
+    problems = Problems(str(path))
+    fields = read(path, problems).fields(("version", "nodes"), ("note",))
+    if version := fields.get("version"):
+        with problems.at(version):
+            _check(version)
+    nodes: dict[str, NodeSpec] = {}
+    if given := fields.get("nodes"):
+        segment = Segment()
+        with problems.at(given):
+            for name, pair in given.some_pairs.items():
+                with problems.at(pair.key):
+                    _, nodes[name] = read_node(pair.value, find)
+                    segment.node(nodes[name].create(), name)
+    problems.settle()
+    return nodes
 
 
 def _check(version: Item) -> None:

@@ -7,7 +7,6 @@ from simulators.objects import Rejected
 INVALID = 1 << 31  # of a PDO: does not exist; of an EMCY likewise
 NO_RTR = 1 << 30  # of a TPDO: may not be asked for; of SYNC: the node produces it
 CAN_ID = 0x7FF
-SYNC = 0x080
 RESERVED = 0x3FFFF800  # bit 29 is for 29-bit identifiers, which none of the devices knows
 
 RESTRICTED: Iterable[range] = (

@@ -10,7 +10,6 @@ from simulators.slave import Slave
 from simulators.wire import Frame
 
 STATE_BYTE = {
-    State.INITIALISING: 0x00,
     State.STOPPED: 0x04,
     State.OPERATIONAL: 0x05,
     State.PRE_OPERATIONAL: 0x7F,

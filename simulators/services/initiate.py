@@ -15,6 +15,7 @@ EXPEDITED_UPLOAD = {size: bytes([0x43 | 4 - size << 2]) for size in range(1, 5)}
 DOWNLOADS, UPLOADS = range(0x20, 0x40), range(0x40, 0x60)
 BLOCK_UPLOADS, BLOCK_DOWNLOADS = range(0xA0, 0xC0, 4), range(0xC0, 0xE0, 2)
 LITERAL_COMMANDS = frozenset({*range(0x20, 0x30), 0x40})
+EXPEDITED = 2  # bit of a download: the value has come along
 
 Initiate = Callable[[Slave, bytes], bytes | Transfer]
 
@@ -22,6 +23,8 @@ Initiate = Callable[[Slave, bytes], bytes | Transfer]
 def initiates(profile: Profile) -> Mapping[int, Initiate]:
     """What the server offers, by command byte."""
     table: dict[int, Initiate] = dict.fromkeys(DOWNLOADS, download)
+    if not profile.segmented and not profile.literal_commands:  # literally, 20h and 21h are known
+        table = {command: table[command] for command in table if command & EXPEDITED}
     table |= dict.fromkeys(UPLOADS, upload)
     if profile.block:
         table |= dict.fromkeys(BLOCK_DOWNLOADS, block_download)
@@ -47,11 +50,9 @@ def block_upload(slave: Slave, data: bytes) -> bytes | Transfer:
 def download(slave: Slave, data: bytes) -> bytes | Transfer:
     """Write, at once if the value has come along."""
     entry = _entry(slave, data)
-    if not data[0] & 2:
+    if not data[0] & EXPEDITED:
         size = int.from_bytes(data[4:], "little") if data[0] & 1 else None
         _check_download(slave, entry, size)
-        if not slave.profile.segmented:
-            raise Rejected("no segmented transfer", Abort.COMMAND)
         return Download(Target(slave, entry, size))
     size = EXPEDITED_ROOM - (data[0] >> 2 & 3) if data[0] & 1 else None
     _check_download(slave, entry, size)

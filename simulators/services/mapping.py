@@ -27,8 +27,7 @@ def mapped(slave: Slave, index: int) -> list[Mapped]:
     Raises:
         Rejected: the mapping names an object that does not exist.
     """
-    count = slave.number(index) if slave.has(index) else 0
-    return [_part(slave, slave.number(index, sub)) for sub in range(1, count + 1)]
+    return [_part(slave, slave.number(index, sub)) for sub in range(1, slave.number(index) + 1)]
 
 
 def _part(slave: Slave, value: int) -> Mapped:
@@ -49,7 +48,7 @@ class MappingRules:
     @property
     def objects(self) -> Mapping[Address, Object]:
         """Checks for every entry of the record that the EDS lets be written."""
-        entries = self.slave.entries.get(self.index, {})
+        entries = self.slave.entries[self.index]
         checks = {sub: partial(self._check_entry, sub) for sub in entries if sub}
         return {
             (self.index, sub): Object(write=checks.get(sub, self._check_count))

@@ -1,7 +1,9 @@
 """Store and restore parameters, 0x1010 and 0x1011, with their signatures (CiA 301, 7.5.2.13)."""
 
 import logging
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Protocol
 
 from simulators.memory import Memory
 from simulators.objects import Abort, Address, Object, Rejected
@@ -16,13 +18,26 @@ ON_COMMAND = 1  # what reading says: stored when told to, not by itself
 SECTION = "parameters"
 
 
+class Keeper(Protocol):
+    """Who keeps what is no entry that can be read and written back. Either may raise `OSError`."""
+
+    def save(self) -> None:
+        """Keep it."""
+
+    def restore(self) -> None:
+        """Keep the factory settings."""
+
+
 class Store(Service):
     """Keeps the values of some entries in a memory when the master says so."""
 
-    def __init__(self, slave: Slave, memory: Memory, kept: Collection[Address]) -> None:
+    def __init__(
+        self, slave: Slave, memory: Memory, kept: Collection[Address], keeper: Keeper
+    ) -> None:
         super().__init__(slave)
         self._memory = memory
         self._kept = kept
+        self._keeper = keeper
 
     @property
     def objects(self) -> Mapping[Address, Object]:
@@ -40,22 +55,32 @@ class Store(Service):
     def _save(self, signature: int) -> None:
         self._check(signature, SAVE)
         data = {_key(address): self.slave.entry(*address).read().hex() for address in self._kept}
-        self._keep(data)
+        with _writing():
+            self._memory.store(SECTION, data)
+            self._keeper.save()
 
     def _restore(self, signature: int) -> None:
         self._check(signature, LOAD)
-        self._keep({})
+        with _writing():
+            self._memory.store(SECTION, {})
+            self._keeper.restore()
+        if self.slave.profile.restore_at_once:
+            for entry in (self.slave.entry(*address) for address in self._kept):
+                self.slave.write(entry, entry.initial)
 
     def _check(self, signature: int, expected: int) -> None:
-        if signature != expected:
-            raise Rejected(f"{signature:08X}h is not the signature", self.slave.profile.store_code)
+        profile = self.slave.profile
+        if profile.store_signature and signature != expected:
+            raise Rejected(f"{signature:08X}h is not the signature", profile.store_code)
 
-    def _keep(self, data: Mapping[str, str]) -> None:
-        try:
-            self._memory.store(SECTION, data)
-        except OSError as failure:
-            log.error("the memory cannot be written: %s", failure)
-            raise Rejected("the memory cannot be written", Abort.HARDWARE) from failure
+
+@contextmanager
+def _writing() -> Iterator[None]:
+    try:
+        yield
+    except OSError as failure:
+        log.error("the memory cannot be written: %s", failure)
+        raise Rejected("the memory cannot be written", Abort.HARDWARE) from failure
 
 
 def recall(slave: Slave, memory: Memory, kept: Collection[Address], area: range) -> None:

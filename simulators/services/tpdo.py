@@ -24,7 +24,7 @@ class Tpdo(Pdo):
 
     def __init__(self, slave: Slave, number: int) -> None:
         super().__init__(slave, number)
-        self._timing = EventTiming(slave, self.record, self._transmit)
+        self._timing = EventTiming(slave, self.record, self.transmit)
         self._operational = False
         self._entries: list[Entry] = []
         self._cob_id = 0
@@ -75,7 +75,7 @@ class Tpdo(Pdo):
         self._operational = state is State.OPERATIONAL
         self._begin_anew()
         if self._operational and self._entries and self._type in EVENT_DRIVEN:
-            self._transmit()
+            self.transmit()
 
     def on_sync(self, frame: Frame) -> None:
         """Compose; send if it is the turn."""
@@ -83,11 +83,11 @@ class Tpdo(Pdo):
             self._composed = self._compose()
         elif self._type == AFTER_EVENT:
             if self._compose() != self._sent:
-                self._transmit()
+                self.transmit()
         else:
             self._syncs += 1
             if self._syncs % self._type == 0:
-                self._transmit()
+                self.transmit()
 
     def on_remote_request(self, frame: Frame) -> None:
         """Send what was composed last, or what is there now if SYNC has no part in it."""
@@ -98,7 +98,14 @@ class Tpdo(Pdo):
     def publish(self) -> None:
         """Send a change, as soon as the inhibit time allows."""
         if not self._timing.inhibited and self._compose() != self._sent:
-            self._transmit()
+            self.transmit()
+
+    def transmit(self) -> None:
+        """Send what there is at this moment, whatever its transmission type."""
+        self._composed = self._sent = self._compose()
+        self.slave.wire.put(Frame(self._cob_id, self._sent))
+        if self._type in EVENT_DRIVEN:
+            self._timing.sent()
 
     def _begin_anew(self) -> None:
         self._syncs = 0
@@ -106,12 +113,6 @@ class Tpdo(Pdo):
 
     def _compose(self) -> bytes:
         return b"".join([entry.read() for entry in self._entries])
-
-    def _transmit(self) -> None:
-        self._composed = self._sent = self._compose()
-        self.slave.wire.put(Frame(self._cob_id, self._sent))
-        if self._type in EVENT_DRIVEN:
-            self._timing.sent()
 
     def _follow_timing(self) -> None:
         if self._operational and self._entries and self._type in EVENT_DRIVEN:

@@ -84,6 +84,12 @@ def test_bit_30_of_an_rpdo_stays_as_the_dictionary_has_it(bench):
     assert bench.send("605#4002140100000000") == ["585#4302140105040040"]
 
 
+def test_the_profile_says_whether_it_has_to_be_written_right(bench_of):
+    bench = bench_of(strict_cob_id=True)
+    assert is_refused(bench, "021401", 0x405)
+    configure(bench, write("021401", 0x405 | 1 << 30))
+
+
 def test_bit_30_of_a_tpdo_changes_while_it_is_off_only(bench):
     assert is_refused(bench, TPDO, 0x185 | 1 << 30)
     configure(bench, write(TPDO, 0x185 | OFF), write(TPDO, 0x185 | 1 << 30))

@@ -1,5 +1,7 @@
 import pytest
-from probe import configure
+from probe import Probe, configure
+
+from simulators import Bench
 
 EVERY_100_MS = "605#2B17100064000000"
 
@@ -75,6 +77,17 @@ def test_a_stored_period_is_in_force_from_the_boot_up_on(bench):
     bench.send("000#8205")
     assert bench.run(0.099) == []
     assert bench.run(0.001) == ["705#7F"]
+
+
+def test_a_period_of_the_dictionary_is_in_force_from_the_boot_up_on():
+    class Beating(Probe):
+        def dictionary(self):
+            od = super().dictionary()
+            od[0x1017].default = 100
+            return od
+
+    bench = Bench.of({"probe": Beating()})
+    assert bench.run(0.2) == ["705#7F", "705#7F"]
 
 
 def test_the_profile_says_whether_the_first_comes_with_the_write(bench_of):

@@ -106,6 +106,14 @@ def test_it_watches_in_every_state(watching):
     assert told(watching) == ["node 7 is silent"]
 
 
+@pytest.mark.parametrize(("node_id", "told_of"), [(1, True), (127, True), (128, False)])
+def test_every_node_id_can_be_watched(bench, node_id, told_of):
+    configure(bench, f"605#23161001E803{node_id:02X}00")
+    bench.send(f"{0x700 + node_id % 128:03X}#05")
+    bench.run(2.0)
+    assert (f"node {node_id} is silent" in told(bench)) is told_of
+
+
 def test_another_twin_is_watched_like_any_node():
     pair = Bench.of({"watching": Probe(5), "watched": Probe(7)})
     configure(pair, WATCH_7, "607#2B17100064000000")

@@ -4,6 +4,7 @@ from probe import configure
 from simulators.objects import Abort
 
 WORD, DOUBLE, EIGHT, BYTE = 0x20010010, 0x20020020, 0x200A0040, 0x20000008
+THIRD = 0x200D0308
 RECEIVED, SENT = "1602", "1A02"  # the mappings of RPDO 3 and TPDO 3, which are off
 
 
@@ -34,25 +35,26 @@ def test_a_remapped_tpdo_carries_the_new_objects_in_their_order(operational):
         operational,
         entry(SENT, 1, BYTE),
         entry(SENT, 2, DOUBLE),
-        entry(SENT, 3, WORD),
+        entry(SENT, 3, THIRD),
         count(SENT, 3),
         "605#2302180185030000",
     )
     operational.sdo["Byte"].raw = 0xAB
     operational.sdo["Double word"].raw = 0x01020304
-    assert operational.send("385#R") == ["385#AB040302013412"]
+    assert operational.send("385#R") == ["385#AB0403020103"]
 
 
 def test_a_remapped_rpdo_brings_the_new_objects_in_their_order(operational):
     configure(
         operational,
         entry(RECEIVED, 1, WORD),
-        entry(RECEIVED, 2, BYTE),
+        entry(RECEIVED, 2, THIRD),
         count(RECEIVED, 2),
         "605#2302140105040000",
     )
     operational.send("405#CDABEF")
-    assert (operational.sdo["Word"].raw, operational.sdo["Byte"].raw) == (0xABCD, 0xEF)
+    assert operational.sdo["Word"].raw == 0xABCD
+    assert operational.sdo["With a gap"]["Third"].raw == 0xEF
 
 
 def test_only_as_many_objects_as_the_count_says_are_carried(operational):
@@ -87,6 +89,11 @@ def test_a_mapping_changes_while_its_pdo_is_off_only(bench, index, cob_id):
     assert is_refused(bench, count(index, 0), Abort.DEVICE_STATE)
     assert is_refused(bench, entry(index, 1, BYTE), Abort.DEVICE_STATE)
     configure(bench, f"605#23{cob_id}0185010080", count(index, 0), entry(index, 1, BYTE))
+
+
+def test_a_mapping_of_nothing_changes_while_its_pdo_is_off_only(bench):
+    configure(bench, "605#2302140105040000")
+    assert is_refused(bench, entry(RECEIVED, 1, BYTE), Abort.DEVICE_STATE)
 
 
 def test_an_object_changes_while_the_count_is_0_only(bench, record):

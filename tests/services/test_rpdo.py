@@ -144,6 +144,13 @@ def test_what_waits_for_a_sync_is_forgotten_with_its_kind_of_pdo(operational, ch
     assert values(operational)[2] == 0
 
 
+def test_what_waits_for_a_sync_stays_when_something_else_changes(operational):
+    operational.send(AT_SYNC + "01000000")
+    configure(operational, "605#2B17100000000000", "605#2300140105020080")
+    operational.send(SYNC)
+    assert values(operational)[2] == 1
+
+
 def test_a_pdo_with_nothing_mapped_takes_any_frame_without_effect(operational):
     configure(operational, "605#2302140105040000")
     for frame in ("405#", "405#0102030405060708"):

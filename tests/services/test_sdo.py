@@ -194,6 +194,8 @@ def test_literal_commands_are_known_all_the_same(bench_of, command):
         ("2005200000000000", Abort.COMMAND),
         ("0005200000000000", Abort.COMMAND),
         ("6005200000000000", Abort.COMMAND),
+        ("2100100008000000", Abort.COMMAND),  # read only, and too long: the command comes first
+        ("2100990001000000", Abort.COMMAND),  # no such object
     ],
 )
 def test_without_segmented_transfer_it_is_refused_with_the_object(bench_of, request_, code):

@@ -279,6 +279,14 @@ def test_after_the_last_block_only_the_end_belongs_to_a_download(bench, wrong):
     assert domain(bench) == b""
 
 
+@pytest.mark.parametrize("steps", [[], [START], [START, confirm(2)]])
+def test_a_new_initiate_ends_an_upload(bench, steps):
+    bench.device.content = b"123456789"
+    send(bench, f"A4{BYTES}7F000000", *steps)
+    assert send(bench, "2F00200007000000") == ["6000200000000000"]
+    assert send(bench, confirm(2)) == aborted("000000", Abort.COMMAND)
+
+
 def test_after_the_last_block_a_new_initiate_ends_the_download(bench):
     initiate(bench)
     send(bench, *segments(b"123456789"))
@@ -300,6 +308,13 @@ def test_far_more_than_announced_are_refused_with_the_block(bench):
     initiate(bench, command="C6", size=20)
     content = bytes(1000)
     assert send(bench, *segments(content)) == aborted(DOMAIN, Abort.TOO_LONG)
+
+
+@pytest.mark.parametrize(("size", "fits"), [(889, True), (888, False), (882, False)])
+def test_a_whole_block_that_is_not_the_last_has_no_unused_bytes(bench, size, fits):
+    initiate(bench, command="C6", size=size)
+    answers = send(bench, *segments(bytes(1000)))
+    assert answers == (["A27F7F0000000000"] if fits else aborted(DOMAIN, Abort.TOO_LONG))
 
 
 def test_more_than_the_profile_allows_is_refused(bench_of):

@@ -171,6 +171,11 @@ def test_without_size_the_length_is_that_of_the_object(bench, segment, code):
     assert bench.sdo["Word"].raw == 0x1234
 
 
+def test_more_than_the_object_has_room_for_is_refused_when_it_comes(bench):
+    answers = send(bench, "200A200000000000", "0031323334353637", "1031323334353637")
+    assert answers[1:] == ["20" + "00" * 7, "800A200012000706"]
+
+
 def test_more_than_the_profile_allows_is_refused_when_it_is_announced(bench_of):
     bench = bench_of(longest_transfer=8)
     assert send(bench, "2106200009000000") == [f"80{DOMAIN}12000706"]
@@ -204,10 +209,24 @@ def test_the_profile_says_how_long_a_transfer_may_be_left(bench_of):
     assert bench.run(1.0) == [abort("081000", Abort.TIME_OUT)]
 
 
-def test_a_transfer_that_is_over_does_not_time_out(bench):
-    send(bench, "2105200003000000", "0941424300000000")
-    send(bench, "4008100000000000", "8000000000000000")
+@pytest.mark.parametrize(
+    "requests",
+    [
+        ["2105200003000000", "0941424300000000"],
+        ["4008100000000000", "60" + "00" * 7, "70" + "00" * 7, "60" + "00" * 7],
+        ["4008100000000000", "8000000000000000"],
+        ["4008100000000000", "E000000000000000"],
+    ],
+)
+def test_a_transfer_that_is_over_does_not_time_out(bench, requests):
+    send(bench, *requests)
     assert bench.run(100.0) == []
+
+
+def test_nothing_can_be_written_after_the_last_segment(bench):
+    send(bench, "2105200003000000", "0941424300000000")
+    assert send(bench, "1941424300000000") == ["8000000001000405"]
+    assert text(bench) == b"ABC"
 
 
 def test_a_transfer_goes_on_when_the_node_goes_operational(bench):

@@ -144,3 +144,40 @@ def test_recalled_values_act_like_written_ones(stored):
     stored.send("000#8105")
     assert stored.run(1.0) == ["705#7F"]
     assert stored.device.level == 5
+
+
+def test_the_profile_says_whether_defaults_are_in_force_at_once(bench_of):
+    bench = bench_of(restore_at_once=True)
+    configure(bench, HEARTBEAT, WORD, LIMITED, LEVEL, BYTE, SAVE, LOAD)
+    assert values(bench) == [*DEFAULTS[:-1], 9]  # the byte is none of those that are stored
+    assert (bench.run(5.0), bench.device.level) == ([], 0)
+    bench.send("000#8105")
+    assert values(bench) == DEFAULTS
+
+
+def test_the_profile_says_whether_any_value_is_a_signature(bench_of):
+    bench = bench_of(store_signature=False)
+    configure(bench, HEARTBEAT, WORD, LIMITED, LEVEL, "605#2310100101000000")
+    bench.send("000#8105")
+    assert values(bench) == [*STORED, 0]
+    configure(bench, "605#2311100100000000")
+    bench.send("000#8105")
+    assert values(bench) == DEFAULTS
+
+
+def test_the_device_keeps_and_restores_what_only_it_knows(bench):
+    bench.device.told.clear()
+    assert bench.send("605#2310100100000000") == ["585#8010100120000008"]
+    configure(bench, SAVE, LOAD)
+    assert bench.device.told == ["save", "restore"]
+
+
+@pytest.mark.parametrize(("command", "index"), [(SAVE, "1010"), (LOAD, "1110")])
+def test_a_device_that_cannot_keep_its_own_tells_the_master(command, index):
+    class Full(Probe):
+        def save(self):
+            raise OSError("no room left")
+
+        restore = save
+
+    assert Bench.of({"probe": Full()}).send(command) == [f"585#80{index}0100000606"]

@@ -2,6 +2,8 @@ import pytest
 
 from .bus import START, aborted, read
 
+TOO_LONG, TOO_SHORT = 0x06070012, 0x06070013
+
 
 @pytest.mark.spec("T-030", "T-040")
 @pytest.mark.parametrize(
@@ -55,20 +57,20 @@ def test_what_cannot_be_is_refused_by_its_code(topcon, request_, code):
 
 @pytest.mark.spec("T-035")
 @pytest.mark.parametrize(
-    "request_",
+    ("request_", "code"),
     [
-        "605#2F10200001000000",
-        "605#2710200001000000",
-        "605#2310200001000000",
-        "605#2110200003000000",
-        "605#2110200001000000",
-        "605#2B05100080000000",
-        "605#2F01140105020080",
-        "605#2B01140201000000",
+        ("605#2F10200001000000", TOO_SHORT),
+        ("605#2710200001000000", TOO_LONG),
+        ("605#2310200001000000", TOO_LONG),
+        ("605#2110200003000000", TOO_LONG),
+        ("605#2110200001000000", TOO_SHORT),
+        ("605#2B05100080000000", TOO_SHORT),
+        ("605#2F01140105020080", TOO_SHORT),
+        ("605#2B01140201000000", TOO_LONG),
     ],
 )
-def test_a_length_that_does_not_fit_the_type_is_refused(topcon, request_):
-    assert aborted(topcon.send(request_))[2] == 0x06070010
+def test_a_length_that_does_not_fit_the_type_is_refused(topcon, request_, code):
+    assert aborted(topcon.send(request_))[2] == code
     assert read(topcon, 0x2010) == ["585#4B10200000000000"]
 
 

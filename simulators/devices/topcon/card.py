@@ -68,8 +68,6 @@ def check(settings: Settings) -> None:
 def profile(settings: Settings) -> Profile:
     """What the card offers of CiA 301."""
     return Profile(
-        too_long=Abort.LENGTH,
-        too_short=Abort.LENGTH,
         first_heartbeat_at_once=settings.hb_first == "now",
         rpdo_types=frozenset({*range(241), 254}),  # Tab. 27
         tpdo_types=frozenset({*range(1, 241), 252, 253}),  # Tab. 36

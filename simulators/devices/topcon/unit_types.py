@@ -3,16 +3,12 @@
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any
-
-import yaml
 
 from simulators.devices.topcon.model import OutputStage, UnitType, parse_load, unit_types
 from simulators.devices.topcon.settings import Settings
 from simulators.errors import UserError, unknown
 from simulators.resources import od_file
-
-LARGEST_FILE = 1 << 20  # bytes
+from simulators.yaml_file import read_table
 
 
 def output_stage(settings: Settings) -> OutputStage:
@@ -58,7 +54,7 @@ def find(name: str, extra: str = "") -> UnitType:
     Raises:
         UserError: there is none, or a file is not what it should be.
     """
-    known = {**_shipped(), **(_read(Path(extra)) if extra else {})}
+    known = {**_shipped(), **(read_table(Path(extra), unit_types) if extra else {})}
     if name not in known:
         raise unknown("unit type", name, known)
     return known[name]
@@ -67,20 +63,4 @@ def find(name: str, extra: str = "") -> UnitType:
 @cache
 def _shipped() -> Mapping[str, UnitType]:
     with od_file("topcon_units.yaml") as path:
-        return _read(path)
-
-
-def _read(path: Path) -> Mapping[str, UnitType]:
-    try:
-        if path.stat().st_size > LARGEST_FILE:
-            raise UserError(f"{path}: larger than {LARGEST_FILE} bytes")
-        content: Any = yaml.safe_load(path.read_text("utf-8"))
-        return unit_types(content)
-    except (OSError, UnicodeDecodeError) as failure:
-        raise UserError(f"{path}: {failure}") from failure
-    except yaml.MarkedYAMLError as failure:
-        mark = failure.problem_mark
-        where = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
-        raise UserError(f"{path}{where}: {failure.problem}") from failure
-    except ValueError as failure:
-        raise UserError(f"{path}: {failure}") from failure
+        return read_table(path, unit_types)

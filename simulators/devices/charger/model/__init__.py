@@ -1,0 +1,1 @@
+"""The POWER CHARGER without its bus: everything in units, nothing of CAN."""

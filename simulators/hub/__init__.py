@@ -1,0 +1,1 @@
+"""A CAN bus over TCP: the protocol of socketcand, whoever serves it and whoever joins it."""

@@ -1,0 +1,147 @@
+"""One connection to the hub: greeted, then on a bus, then sent away or gone."""
+
+import asyncio
+import logging
+import re
+import socket
+from collections.abc import Callable, Mapping
+from enum import Enum
+from typing import ClassVar
+
+from simulators.hub.address import Address
+from simulators.hub.protocol import Refused, Stream, element, read_sent
+from simulators.hub.switch import Switch
+
+log = logging.getLogger(__name__)
+
+MOST_CLIENTS = 64
+MOST_WAITING = 1 << 20  # bytes for one client, some 20 000 frames
+KERNEL_BUFFER = 1 << 18  # bytes for one client; by itself it would grow to several MB
+HANDSHAKE = 10.0  # seconds until a client has to be on a bus
+FAREWELL = 1.0  # seconds for a client to read why
+SETTLING = 0.2  # seconds
+OPEN = re.compile(r"open ([A-Za-z0-9_.-]{1,16})")
+
+
+class Stage(Enum):
+    """How far a client has come."""
+
+    GREETED = "greeted"
+    OPENED = "opened"
+    JOINED = "joined"
+
+
+class Connection(asyncio.Protocol):
+    """A client from the side of the hub."""
+
+    def __init__(self, switch: Switch) -> None:
+        self.bus = ""
+        self._switch = switch
+        self._stage = Stage.GREETED
+        self._stream = Stream()
+        self._settling: bytearray | None = None  # what is kept back for a moment
+        self._end: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Greet, or send away."""
+        assert isinstance(transport, asyncio.Transport)
+        self._transport = transport
+        connection: socket.socket = transport.get_extra_info("socket")
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BUFFER)
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+        peer = transport.get_extra_info("peername")  # none if it is gone again
+        self._name = str(Address(*peer[:2])) if peer else "somebody"
+        if len(self._switch.clients) >= MOST_CLIENTS:
+            self._refuse(f"there are {MOST_CLIENTS} clients already")
+            return
+        self._switch.clients[self] = None
+        asyncio.get_running_loop().call_later(HANDSHAKE, self._hurry)
+        self._write(element("hi"))
+
+    def data_received(self, data: bytes) -> None:
+        """Do what it says."""
+        self._settle()  # whoever speaks has read what it was told
+        try:
+            for text in self._stream.feed(data):
+                if not self._transport.is_closing():
+                    self._obey(text)
+        except Refused as refusal:
+            self._refuse(str(refusal))
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """It has gone."""
+        self._switch.leave(self)
+        if self._end is not None:
+            self._end.cancel()
+        log.info("%s has gone", self._name)
+
+    def deliver(self, data: bytes) -> None:
+        """Bring it what another client has sent; never waits."""
+        if self._settling is None:
+            self._write(data)
+        else:
+            self._settling += data
+            self._check(len(self._settling))
+
+    def hang_up(self) -> None:
+        """End the connection; what has been written goes out, if it is read soon."""
+        self._switch.leave(self)
+        self._transport.close()
+        self._end = asyncio.get_running_loop().call_later(FAREWELL, self._transport.abort)
+
+    def _write(self, data: bytes) -> None:
+        if not self._transport.is_closing():
+            self._transport.write(data)
+            self._check(self._transport.get_write_buffer_size())
+
+    def _check(self, waiting: int) -> None:
+        if waiting > MOST_WAITING:
+            log.warning("%s does not read what is on %s: dropped", self._name, self.bus)
+            self._switch.leave(self)
+            self._transport.abort()
+
+    def _obey(self, text: str) -> None:
+        commands = self._commands[self._stage]
+        if not (obey := commands.get(text.partition(" ")[0])):
+            raise Refused(f"unknown command, there is {', '.join(commands)}")
+        obey(self, text)
+
+    def _open(self, text: str) -> None:
+        if not (match := OPEN.fullmatch(text)):
+            raise Refused("the name of a bus is 1 to 16 letters, digits and _.-")
+        self.bus, self._stage = match[1], Stage.OPENED
+        self._write(element("ok"))
+
+    def _join(self, text: str) -> None:
+        """Frames are kept back for a moment: python-can has to read this answer all by itself."""
+        self._stage, self._settling = Stage.JOINED, bytearray()
+        self._write(element("ok"))
+        self._switch.join(self)
+        asyncio.get_running_loop().call_later(SETTLING, self._settle)
+        log.info("%s is on %s", self._name, self.bus)
+
+    def _send(self, text: str) -> None:
+        self._switch.send(self, read_sent(text))
+
+    def _echo(self, text: str) -> None:
+        self._write(element("echo"))
+
+    def _settle(self) -> None:
+        held, self._settling = self._settling, None
+        if held:
+            self._write(bytes(held))
+
+    def _hurry(self) -> None:
+        if self._stage is not Stage.JOINED and self in self._switch.clients:
+            self._refuse(f"on no bus within {HANDSHAKE:.0f} s")
+
+    def _refuse(self, why: str) -> None:
+        log.warning("%s refused: %s", self._name, why)
+        self._write(element(f"error {why}"))
+        self.hang_up()
+
+    _commands: ClassVar[Mapping[Stage, Mapping[str, Callable[["Connection", str], None]]]] = {
+        Stage.GREETED: {"open": _open},
+        Stage.OPENED: {"rawmode": _join, "echo": _echo},
+        Stage.JOINED: {"send": _send, "sendrtr": _send, "echo": _echo},
+    }

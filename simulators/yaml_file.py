@@ -1,0 +1,32 @@
+"""Tables that users write in YAML; what is wrong with one is told in one line."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import yaml
+
+from simulators.errors import UserError
+
+LARGEST_FILE = 1 << 20  # bytes
+
+Meaning = TypeVar("Meaning")
+
+
+def read_table(path: Path, understand: Callable[[Any], Meaning]) -> Meaning:
+    """What a file means, by a function that raises `ValueError` if it means nothing.
+
+    Raises:
+        UserError: there is no such file, it is no YAML, or it means nothing.
+    """
+    try:
+        if path.stat().st_size > LARGEST_FILE:
+            raise ValueError(f"larger than {LARGEST_FILE} bytes")
+        return understand(yaml.safe_load(path.read_text("utf-8")))
+    except yaml.MarkedYAMLError as failure:
+        mark = failure.problem_mark
+        where = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
+        raise UserError(f"{path}{where}: {failure.problem}") from failure
+    except (OSError, ValueError, yaml.YAMLError) as failure:
+        reason = str(failure).splitlines()[0]
+        raise UserError(f"{path}: {reason}") from failure

@@ -1,0 +1,88 @@
+from copy import deepcopy
+
+import pytest
+
+from simulators.devices.charger.model.catalogue import Catalogue, Kind, Message, read_catalogue
+from simulators.devices.charger.model.causes import CAUSES
+
+INJECTED_ONLY = {"hardware", "parameter_memory", "discharging_short"}
+
+
+@pytest.fixture
+def data(catalogue_data):
+    return deepcopy(catalogue_data)
+
+
+@pytest.mark.spec("C-034")
+def test_the_shipped_catalogue_has_14_errors_and_15_warnings_and_calls_them_assumed(
+    catalogue, catalogue_data
+):
+    kinds = [message.kind for message in catalogue]
+    assert [kinds.count(kind) for kind in Kind] == [14, 15]
+    assert catalogue_data["assumed"] is True
+
+
+def test_the_shipped_catalogue_has_a_message_for_every_cause_and_no_other(catalogue):
+    keys = {(message.kind, message.key) for message in catalogue if message.key}
+    assert {key for _, key in keys - {(c.kind, c.key) for c in CAUSES}} == INJECTED_ONLY
+    assert all(catalogue.keyed(cause.kind, cause.key) for cause in CAUSES)
+
+
+def test_every_shipped_error_trips_and_every_message_says_when(catalogue, catalogue_data):
+    assert all(message.trips for message in catalogue if message.kind is Kind.ERROR)
+    assert all(row["when"] for name in ("errors", "warnings") for row in catalogue_data[name])
+
+
+@pytest.mark.spec("C-032")
+def test_register_bits_follow_the_class_of_the_code(catalogue):
+    classes = {0x2: 1 << 1, 0x3: 1 << 2, 0x4: 1 << 3}
+    for message in catalogue:
+        assert message.register == 1 | classes.get(message.emcy >> 12, 0), message
+
+
+def test_messages_are_found_by_number_and_by_key(catalogue):
+    sparks = catalogue.numbered(Kind.ERROR, 7)
+    assert sparks is catalogue.keyed(Kind.ERROR, "strong_sparks")
+    assert catalogue.numbered(Kind.ERROR, 0x50) is None
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        (lambda data: data.update(format="topcon"), "no catalogue of the format"),
+        (lambda data: data.update(notes="x"), "unknown entries: notes"),
+        (lambda data: data.update(assumed="yes"), "assumed is true or false"),
+        (lambda data: data.update(errors={}), "errors is a list"),
+        (lambda data: data["errors"].append(7), "errors, entry 15: a message is a mapping"),
+        (lambda data: data["errors"][0].update(number=2), "two errors with the number 2"),
+        (lambda data: data["errors"][0].update(key="hardware"), "the key 'hardware'"),
+        (lambda data: data["errors"][0].update(number=0x51), "number 0x51 is not in 0x01..0x50"),
+        (lambda data: data["warnings"][1].update(number=0x61), "entry 2: number 0x61 is not in"),
+        (lambda data: data["errors"][0].update(number=0), "number 0x00 is not in"),
+        (lambda data: data["errors"][0].update(number="1"), "number is a whole number, not '1'"),
+        (lambda data: data["errors"][0].update(emcy=0xFFF), "emcy 0x0fff is not in"),
+        (lambda data: data["errors"][0].update(register=4), "register 0x04 is no byte with bit 0"),
+        (lambda data: data["errors"][0].update(register=0x101), "register 0x101 is no byte"),
+        (lambda data: data["errors"][0].update(trips=1), "trips is true or false, not 1"),
+        (lambda data: data["warnings"][0].update(trips=True), "a warning does not trip"),
+        (lambda data: data["errors"][0].update(key=""), "key is a word, not ''"),
+        (lambda data: data["errors"][0].update(colour=1), "missing or unknown: colour"),
+        (lambda data: data["errors"][0].pop("emcy"), "missing or unknown: emcy"),
+    ],
+)
+def test_a_wrong_catalogue_is_refused_in_one_line_that_says_where(data, change, complaint):
+    change(data)
+    with pytest.raises(ValueError, match=complaint) as refusal:
+        read_catalogue(data)
+    assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize("data", [None, [], "text"])
+def test_what_is_no_mapping_is_no_catalogue(data):
+    with pytest.raises(ValueError, match="no catalogue"):
+        read_catalogue(data)
+
+
+def test_messages_without_a_key_may_be_many():
+    messages = [Message(Kind.WARNING, number, 0xFF00, 0x81) for number in (1, 2)]
+    assert list(Catalogue(messages)) == messages

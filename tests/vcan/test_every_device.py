@@ -1,0 +1,21 @@
+import pytest
+
+from simulators import devices
+from tests.vcan.bus import cansend
+
+pytestmark = [pytest.mark.vcan, pytest.mark.parametrize("device", devices.names())]
+
+
+def test_it_boots_answers_and_beats_as_can_utils_see_it(run, candump, device):
+    twin = run(device, 5)
+    assert twin.ready == {
+        "ready": device,
+        "node_id": 5,
+        "interface": "socketcan",
+        "channel": "vcan0",
+    }
+    assert candump.until("705#") == ["705#00"]
+    cansend("605#2B17100064000000")  # a heartbeat every 100 ms
+    assert candump.until("705#")[-2:] == ["585#6017100000000000", "705#7F"]
+    cansend("000#0105")
+    assert "705#05" in candump.until("705#05")
