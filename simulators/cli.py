@@ -162,6 +162,7 @@ def _device_arguments(command: Parser, text: str = DEVICE) -> None:
     command.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", help="see `settings DEVICE`"
     )
+    command.add_argument("--config", metavar="FILE", help="short for --set config=FILE")
 
 
 def _bus_arguments(command: argparse.ArgumentParser) -> None:

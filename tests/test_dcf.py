@@ -91,3 +91,11 @@ def test_what_does_not_boot_has_none(capsys, tmp_path):
     file.write_text("version: 1\ngateway: {428: 7, 427: 7}\n")
     assert main(["eds", "gateway", "--set", f"config={file}"]) == 2
     assert capsys.readouterr().err == "canopen-twin: with these settings it does not boot\n"
+
+
+def test_a_configuration_has_an_option_of_its_own(capsys):
+    assert main(["eds", "gateway", "--config", "gateway_plain.yaml"]) == 0
+    short = capsys.readouterr().out
+    assert main(["eds", "gateway", "--set", "config=gateway_plain.yaml"]) == 0
+    assert capsys.readouterr().out == short
+    assert main(["eds", "topcon", "--config", "gateway_plain.yaml"]) == 2

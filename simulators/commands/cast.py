@@ -10,7 +10,7 @@ from simulators.device import Device
 from simulators.errors import UserError
 from simulators.memory import Memory
 
-OF_ONE_DEVICE = ("node-id", "set", "scenario", "nvram")
+OF_ONE_DEVICE = ("node-id", "set", "config", "scenario", "nvram")
 
 
 def cast(options: argparse.Namespace, scenario: replay.Scenario | None) -> dict[str, Device]:

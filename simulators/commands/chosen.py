@@ -6,12 +6,14 @@ from simulators.errors import UserError
 
 
 def chosen(options: argparse.Namespace) -> dict[str, object]:
-    """Settings by name, from `--node-id` and every `--set KEY=VALUE`.
+    """Settings by name, from `--node-id`, `--config` and every `--set KEY=VALUE`.
 
     Raises:
         UserError: a setting without a value.
     """
     settings: dict[str, object] = dict(_pair(text) for text in options.set)
+    if options.config is not None:
+        settings["config"] = options.config
     if options.node_id is not None:
         settings["node_id"] = options.node_id
     return settings
