@@ -137,11 +137,7 @@ class Device:
         """
 
     def restore(self) -> None:
-        """0x1011: keep the factory settings of the same.
-
-        Raises:
-            OSError: as for `save`.
-        """
+        """0x1011: keep the factory settings of the same; raises as `save` does."""
 
     def on_state(self, state: State) -> None:
         """The node has entered an NMT state."""

@@ -23,7 +23,6 @@ from simulators.faults import Fault
 from simulators.objects import Address, Object
 from simulators.services import Service, State
 from simulators.services.emcy import Emcy
-from simulators.services.pdo import Pdo
 from simulators.slave import Slave
 
 MICROSECOND = 1e-6  # s
@@ -143,12 +142,8 @@ class Device(device.Device):
         identify(od, self._parameters, self.system.gateway.shown)
         return od
 
-    def pdos(self, slave: Slave) -> Iterable[Pdo]:
-        """None of the usual: what is sent and when is the governor's business (4)."""
-        return ()
-
-    def services(self, slave: Slave) -> Iterable[Service]:
-        """The PDOs of the governor, the partner's heartbeat, and the end of a bus fault."""
+    def pdos(self, slave: Slave) -> Iterable[Service]:
+        """What is sent and when is the governor's business (4); it comes with all traffic."""
         yield Traffic(slave, self.system, self._parameters[PARTNER], self.disturbance)
 
     def power_on(self) -> None:
