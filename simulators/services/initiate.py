@@ -17,7 +17,7 @@ BLOCK_UPLOADS, BLOCK_DOWNLOADS = range(0xA0, 0xC0, 4), range(0xC0, 0xE0, 2)
 LITERAL_COMMANDS = frozenset({*range(0x20, 0x30), 0x40})
 EXPEDITED = 2  # bit of a download: the value has come along
 
-Initiate = Callable[[Slave, bytes], bytes | Transfer]
+Initiate = Callable[[Slave, Entry, bytes], bytes | Transfer]
 
 
 def initiates(profile: Profile) -> Mapping[int, Initiate]:
@@ -34,22 +34,21 @@ def initiates(profile: Profile) -> Mapping[int, Initiate]:
     return table
 
 
-def upload(slave: Slave, data: bytes) -> bytes | Transfer:
+def upload(slave: Slave, entry: Entry, data: bytes) -> bytes | Transfer:
     """Read, in one frame if the value fits."""
-    return _upload(slave, data, _read(slave, data))
+    return _upload(slave, data, _read(entry))
 
 
-def block_upload(slave: Slave, data: bytes) -> bytes | Transfer:
+def block_upload(slave: Slave, entry: Entry, data: bytes) -> bytes | Transfer:
     """Read in blocks, unless the value is so short that the client wants it the other way."""
-    value, blksize, switch_up_to = _read(slave, data), data[4], data[5]
+    value, blksize, switch_up_to = _read(entry), data[4], data[5]
     if switch_up_to and len(value) <= switch_up_to:
         return _upload(slave, data, value)
     return BlockUpload(value, blksize, crc=bool(data[0] & 4))
 
 
-def download(slave: Slave, data: bytes) -> bytes | Transfer:
+def download(slave: Slave, entry: Entry, data: bytes) -> bytes | Transfer:
     """Write, at once if the value has come along."""
-    entry = _entry(slave, data)
     if not data[0] & EXPEDITED:
         size = int.from_bytes(data[4:], "little") if data[0] & 1 else None
         _check_download(slave, entry, size)
@@ -61,20 +60,14 @@ def download(slave: Slave, data: bytes) -> bytes | Transfer:
     return b"\x60" + data[1:4] + bytes(4)
 
 
-def block_download(slave: Slave, data: bytes) -> bytes | Transfer:
+def block_download(slave: Slave, entry: Entry, data: bytes) -> bytes | Transfer:
     """Write in blocks."""
-    entry = _entry(slave, data)
     size = int.from_bytes(data[4:], "little") if data[0] & 2 else None
     _check_download(slave, entry, size)
     return BlockDownload(Target(slave, entry, size), crc=bool(data[0] & 4))
 
 
-def _entry(slave: Slave, data: bytes) -> Entry:
-    return slave.entry(data[1] | data[2] << 8, data[3])
-
-
-def _read(slave: Slave, data: bytes) -> bytes:
-    entry = _entry(slave, data)
+def _read(entry: Entry) -> bytes:
     if not entry.readable:
         raise Rejected("write only", Abort.WRITE_ONLY)
     return entry.read()

@@ -3,7 +3,7 @@
 from simulators.clock import Timer
 from simulators.objects import Abort, Rejected
 from simulators.services import Listening, Service, State
-from simulators.services.initiate import BLOCK_DOWNLOADS, BLOCK_UPLOADS, initiates
+from simulators.services.initiate import BLOCK_DOWNLOADS, BLOCK_UPLOADS, Initiate, initiates
 from simulators.services.transfer import Transfer
 from simulators.slave import Slave
 from simulators.wire import Frame
@@ -42,14 +42,17 @@ class SdoServer(Service):
         data = frame.data
         if len(data) != REQUEST_LENGTH:
             return
-        transfer = self._transfer
+        transfer, initiate = self._transfer, self._initiates.get(data[0])
         try:
             if transfer is not None and transfer.continues(data[0]):
                 self._continue(transfer, data)
+            elif initiate is not None:
+                self._initiate(initiate, data)
             elif data[0] in self._aborts:
                 self._close()
             else:
-                self._initiate(data)
+                self._multiplexer = self._named(data)
+                raise Rejected("no command, or not its turn", Abort.COMMAND)
         except Rejected as refusal:
             self._refuse(refusal.code)
 
@@ -61,15 +64,12 @@ class SdoServer(Service):
         else:
             self._watch()
 
-    def _initiate(self, data: bytes) -> None:
-        initiate = self._initiates.get(data[0])
-        if initiate is None:
-            self._multiplexer = self._named(data)
-            raise Rejected("no command, or not its turn", Abort.COMMAND)
+    def _initiate(self, initiate: Initiate, data: bytes) -> None:
         if self._transfer is not None:
             self._close()
         self._multiplexer = data[1:4]
-        outcome = initiate(self.slave, data)
+        entry = self.slave.entry(data[1] | data[2] << 8, data[3])
+        outcome = initiate(self.slave, entry, data)
         if isinstance(outcome, Transfer):
             self._transfer = outcome
             self._watch()
