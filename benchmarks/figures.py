@@ -111,6 +111,13 @@ SECTIONS = {
             "real time",
             10.0,
         ),
+        Figure(
+            "20 minutes of a charger's calibration, TPDOs every 500 ms",
+            "test_calibration",
+            "real time",
+            1200.0,
+            Goal(time=1.0),
+        ),
     ],
     "Start": [
         Figure(
