@@ -1,7 +1,7 @@
 """Settings of a device: a frozen dataclass whose fields say what they mean and who assumed them."""
 
 from collections.abc import Mapping
-from dataclasses import MISSING, Field, dataclass, field, fields, replace
+from dataclasses import Field, dataclass, field, fields, replace
 from math import inf
 from types import UnionType
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
@@ -79,11 +79,6 @@ def changed(settings: Settings, given: Mapping[str, object], *, live: bool = Fal
     for name, value in converted.items():
         _check_range(name, value, about(known[name]))
     return replace(settings, **converted)  # type: ignore[type-var]
-
-
-def defaults(settings: type[Any]) -> Mapping[str, Any]:
-    """The default of every field."""
-    return {entry.name: entry.default for entry in fields(settings) if entry.default is not MISSING}
 
 
 def _convert(name: str, value: object, kind: Any) -> object:

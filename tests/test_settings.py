@@ -4,7 +4,7 @@ from typing import Literal
 import pytest
 
 from simulators.errors import UserError
-from simulators.settings import about, changed, defaults, setting
+from simulators.settings import about, changed, setting
 
 
 @dataclass(frozen=True)
@@ -19,14 +19,6 @@ class Example:
 
 def test_without_anything_given_the_defaults_hold():
     assert changed(Example(), {}) == Example()
-    assert defaults(Example) == {
-        "count": 1,
-        "ratio": 0.5,
-        "polite": True,
-        "name": "nobody",
-        "reaction": "ignore",
-        "limit": None,
-    }
 
 
 def test_what_is_told_of_a_setting_can_be_listed():
