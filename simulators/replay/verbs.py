@@ -1,13 +1,13 @@
 """What a step can do: a verb is a function that reads it, its action, and an entry in VERBS."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from simulators.documents.document import Item
 from simulators.node import Node
+from simulators.replay.actions import Clear, Inject, Nmt, Power, Send, Set
 from simulators.replay.rehearsal import Rehearsal
-from simulators.replay.scenario import Action, Stage
+from simulators.replay.scenario import Action
 from simulators.replay.verb_expect import parse_expect
 from simulators.replay.verb_write import parse_write
 from simulators.wire import Frame
@@ -21,77 +21,6 @@ COMMANDS: Mapping[str, int] = {
 }
 SWITCHES: Mapping[str, Callable[[Node], None]] = {"on": Node.power_on, "off": Node.power_off}
 ALL_FAULTS = "all"
-
-
-@dataclass(frozen=True)
-class Set(Action):
-    """Changes live settings, such as the load, as an operator or the plant would."""
-
-    settings: Mapping[str, Any]
-
-    def carry_out(self, stage: Stage) -> None:
-        """All of them at once."""
-        with stage.node.acting() as device:
-            device.set(**self.settings)
-
-
-@dataclass(frozen=True)
-class Send(Action):
-    """Any frame, such as a SYNC."""
-
-    frame: Frame
-
-    def carry_out(self, stage: Stage) -> None:
-        """As a master."""
-        stage.master.send(self.frame)
-
-
-@dataclass(frozen=True)
-class Nmt(Action):
-    """A command of the NMT master to the node."""
-
-    command: int
-
-    def carry_out(self, stage: Stage) -> None:
-        """To the node id it has by now."""
-        stage.master.send(Frame(0x000, bytes([self.command, stage.node.node_id])))
-
-
-@dataclass(frozen=True)
-class Power(Action):
-    """Switches the supply of the node."""
-
-    switch: Callable[[Node], None]
-
-    def carry_out(self, stage: Stage) -> None:
-        """On or off; without effect if it is so already."""
-        self.switch(stage.node)
-
-
-@dataclass(frozen=True)
-class Inject(Action):
-    """Something goes wrong."""
-
-    faults: Mapping[str, Mapping[str, Any]]
-
-    def carry_out(self, stage: Stage) -> None:
-        """In the order of the file."""
-        with stage.node.acting():
-            for name, parameters in self.faults.items():
-                stage.node.faults.inject(name, **parameters)
-
-
-@dataclass(frozen=True)
-class Clear(Action):
-    """A cause goes away; the device recovers as far as it does by itself."""
-
-    fault: str | None
-    """None for all of them."""
-
-    def carry_out(self, stage: Stage) -> None:
-        """Without effect if it is not active."""
-        with stage.node.acting():
-            stage.node.faults.clear(self.fault)
 
 
 def parse_set(item: Item, rehearsal: Rehearsal) -> Action:
