@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from simulators.node import Node
-from simulators.replay.scenario import Action, Stage
+from simulators.replay.scenario import Action, Condition
+from simulators.replay.stage import Stage
 from simulators.wire import Frame
 
 
@@ -29,7 +30,7 @@ class Send(Action):
 
     def carry_out(self, stage: Stage) -> None:
         """As a master."""
-        stage.master.send(self.frame)
+        stage.send(self.frame)
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class Nmt(Action):
 
     def carry_out(self, stage: Stage) -> None:
         """To the node id it has by now."""
-        stage.master.send(Frame(0x000, bytes([self.command, stage.node.node_id])))
+        stage.send(Frame(0x000, bytes([self.command, stage.node.node_id])))
 
 
 @dataclass(frozen=True)
@@ -56,15 +57,19 @@ class Power(Action):
 
 @dataclass(frozen=True)
 class Inject(Action):
-    """Something goes wrong."""
+    """Something goes wrong, and perhaps heals by itself."""
 
     faults: Mapping[str, Mapping[str, Any]]
+    lasts: float | Condition | None = None
+    """Seconds, or what heals it; None: until it is cleared."""
 
     def carry_out(self, stage: Stage) -> None:
         """In the order of the file."""
+        if self.lasts is not None:
+            stage.heal(tuple(self.faults), self.lasts)
         with stage.node.acting():
             for name, parameters in self.faults.items():
-                stage.node.faults.inject(name, **parameters)
+                stage.inject(name, parameters)
 
 
 @dataclass(frozen=True)
@@ -77,4 +82,4 @@ class Clear(Action):
     def carry_out(self, stage: Stage) -> None:
         """Without effect if it is not active."""
         with stage.node.acting():
-            stage.node.faults.clear(self.fault)
+            stage.clear(self.fault)

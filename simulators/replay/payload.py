@@ -13,7 +13,7 @@ from canopen.objectdictionary.datatypes import (
 from simulators.documents.document import Item
 from simulators.documents.yaml_nodes import Scalar
 from simulators.errors import UserError
-from simulators.replay.master import EXPEDITED_ROOM
+from simulators.replay.sdo import EXPEDITED_ROOM
 
 
 def encode(variable: ODVariable, item: Item, limited: bool) -> bytes:

@@ -2,8 +2,9 @@
 
 from simulators.documents.document import Item
 from simulators.documents.problems import Problems
+from simulators.replay.expect import Expectation
 from simulators.replay.rehearsal import Rehearsal
-from simulators.replay.scenario import Action, Expectation, Step
+from simulators.replay.scenario import Action, At, Step
 from simulators.replay.verbs import VERBS
 
 BESIDE = {key: verb for verb, told in VERBS.items() for key in told.beside}
@@ -30,7 +31,7 @@ class StepReader:
             action = self._action(item, fields)
             if action is not None:
                 self._check_order(item, at, action)
-                self.steps.append(Step(at, self._node, action, note, item.line))
+                self.steps.append(Step(At(at), self._node, action, note, item.line))
 
     def _time(self, fields: dict[str, Item], problems: Problems) -> float:
         if "at" in fields:
@@ -54,7 +55,7 @@ class StepReader:
     def _check_order(self, item: Item, at: float, action: Action) -> None:
         """What is expected of a moment is judged when it is over, so it stands behind."""
         before = self.steps[-1] if self.steps else None
-        if before is None or before.at != at or isinstance(action, Expectation):
+        if before is None or before.moment != At(at) or isinstance(action, Expectation):
             return
         if isinstance(before.action, Expectation):
             raise item.wrong("put it before what is expected at the same time, or give it a later")

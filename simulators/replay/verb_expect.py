@@ -4,10 +4,17 @@ from collections.abc import Callable, Mapping
 from math import inf
 
 from simulators.documents.document import Item
-from simulators.replay.expect import Comes, Holds, Never, Range, Text
-from simulators.replay.patterns import AnyFrame, EmcyLike, FrameLike, HeartbeatLike
+from simulators.replay.expect import Expectation
 from simulators.replay.rehearsal import Rehearsal
-from simulators.replay.scenario import Expectation
+from simulators.replay.signs import (
+    AnyFrame,
+    EmcyLike,
+    FrameLike,
+    HeartbeatLike,
+    Holds,
+    Range,
+    Text,
+)
 from simulators.replay.targets import Target
 from simulators.services import State
 from simulators.wire import pattern
@@ -34,30 +41,30 @@ def parse_emcy(item: Item, within: float, rehearsal: Rehearsal) -> Expectation:
     """`{code: 0x2300, register: 0x03, detail: 0x23}` or some of it; `none`."""
     if not item.is_mapping:
         item.one_of("EMCY", [NONE])
-        return Never(within, EmcyLike())
+        return Expectation(EmcyLike(), within, never=True)
     fields = item.fields((), EMCY_FIELDS) if item.some_pairs else {}
     told = {name: field.whole_up_to(EMCY_FIELDS[name]) for name, field in fields.items()}
-    return Comes(within, EmcyLike(**told))
+    return Expectation(EmcyLike(**told), within)
 
 
 def parse_frame(item: Item, within: float, rehearsal: Rehearsal) -> Expectation:
     """`185#3C05xxxxxxxxxxxx`."""
     pattern(item.text)
-    return Comes(within, FrameLike(item.text.strip().replace(".", "").upper()))
+    return Expectation(FrameLike(item.text.strip().replace(".", "").upper()), within)
 
 
 def parse_heartbeat(item: Item, within: float, rehearsal: Rehearsal) -> Expectation:
     """`operational`; `none`."""
     state = item.one_of("heartbeat", [*HEARTBEATS, NONE])
     if state == NONE:
-        return Never(within, HeartbeatLike())
-    return Comes(within, HeartbeatLike(HEARTBEATS[state]))
+        return Expectation(HeartbeatLike(), within, never=True)
+    return Expectation(HeartbeatLike(HEARTBEATS[state]), within)
 
 
 def parse_silence(item: Item, within: float, rehearsal: Rehearsal) -> Expectation:
     """`true`."""
     item.one_of("silence", ["true"])
-    return Never(within, AnyFrame())
+    return Expectation(AnyFrame(), within, never=True)
 
 
 def parse_value(item: Item, within: float, rehearsal: Rehearsal) -> Expectation:
@@ -67,7 +74,7 @@ def parse_value(item: Item, within: float, rehearsal: Rehearsal) -> Expectation:
         with item.problems.at(pair.key):
             target = rehearsal.targets.find(pair.key)
             wanted.append((target, _wanted(target, pair.value)))
-    return Holds(within, tuple(wanted))
+    return Expectation(Holds(tuple(wanted)), within)
 
 
 def _wanted(target: Target, item: Item) -> Range | Text:

@@ -2,10 +2,10 @@
 
 from simulators.documents.document import Item, Pair
 from simulators.replay.access import Download, Write
-from simulators.replay.master import ACCEPTED
 from simulators.replay.payload import check_access, encode
 from simulators.replay.rehearsal import Rehearsal
 from simulators.replay.scenario import Action
+from simulators.replay.sdo import ACCEPTED
 
 HIGHEST_CODE = 0xFFFFFFFF
 

@@ -8,17 +8,11 @@ from simulators.node import Node
 from simulators.replay.actions import Clear, Inject, Nmt, Power, Send, Set
 from simulators.replay.rehearsal import Rehearsal
 from simulators.replay.scenario import Action
+from simulators.replay.signs import COMMANDS
 from simulators.replay.verb_expect import parse_expect
 from simulators.replay.verb_write import parse_write
 from simulators.wire import Frame
 
-COMMANDS: Mapping[str, int] = {
-    "start": 0x01,
-    "stop": 0x02,
-    "pre-operational": 0x80,
-    "reset-node": 0x81,
-    "reset-communication": 0x82,
-}
 SWITCHES: Mapping[str, Callable[[Node], None]] = {"on": Node.power_on, "off": Node.power_off}
 ALL_FAULTS = "all"
 
