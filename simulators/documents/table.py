@@ -7,6 +7,7 @@ at all the same.
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Any, ClassVar, Self, TypeVar
 
 from pydantic import (
@@ -25,8 +26,8 @@ from pydantic import (
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, ErrorDetails, core_schema
 
-from simulators.documents.document import Item
-from simulators.documents.problems import Noted
+from simulators.documents.document import Item, read
+from simulators.documents.problems import Noted, Problems
 from simulators.documents.rules import Rule
 from simulators.errors import UserError, unknown
 
@@ -78,7 +79,7 @@ class Table(BaseModel):
             table = _again(handler, {key: values[key] for key in values if key not in wrong})
         if not all(kept):
             raise Noted
-        table._place = item
+        table._place = item  # noqa: SLF001 - our own
         return table
 
     @classmethod
@@ -93,15 +94,25 @@ class Table(BaseModel):
 
 Anything = TypeVar("Anything")
 AnyTable = TypeVar("AnyTable", bound=Table)
+Meaning = TypeVar("Meaning")
 
 
-def read_table(kind: type[AnyTable], item: Item) -> AnyTable | None:
-    """A value of the file as a table; None if there is nothing to go on with, which is noted."""
+def understand(path: Path, kind: type[AnyTable], mean: Callable[[AnyTable], Meaning]) -> Meaning:
+    """What a file means; `mean` notes what is wrong as problems, and goes on.
+
+    Raises:
+        DocumentError: with a line for everything that is wrong.
+    """
+    problems = Problems(str(path))
+    item = read(path, problems)
     try:
-        return kind.model_validate(item)
+        meaning = mean(kind.model_validate(item))
     except ValidationError as failure:
         _note(item, failure)
-        return None
+        problems.settle()
+        raise
+    problems.settle()
+    return meaning
 
 
 def _if_right(item: Item, handler: ValidatorFunctionWrapHandler) -> Any:

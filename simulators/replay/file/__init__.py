@@ -1,1 +1,1 @@
-"""Scenario and bench files as tables: which keys there are, what they mean, and their JSON Schema."""
+"""Scenario and bench files as tables: the keys there are, what they mean, their JSON Schema."""

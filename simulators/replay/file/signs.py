@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import Field, Tag
 
 from simulators.documents.document import Item
-from simulators.documents.rules import Apart, Beside, OneOf, Shapes, SomeOf
+from simulators.documents.rules import Beside, OneOf, Shapes, SomeOf
 from simulators.documents.table import Leaf, Table
 from simulators.replay.file.leaves import (
     WORD_OR_TABLE,

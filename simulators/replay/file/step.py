@@ -94,4 +94,3 @@ class Step(Deed):
     """Seconds since the beginning; steps stand in the order of their times."""
     when: Condition | None = None
     """At the moment it happens; watched for from the step above on."""
-
