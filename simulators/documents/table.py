@@ -71,14 +71,14 @@ class Table(BaseModel):
     def _read(cls, item: Item, handler: ModelWrapValidatorHandler[Self]) -> Self:
         known = [field.alias or name for name, field in cls.model_fields.items()]
         values = {key: pair.value for key, pair in item.pairs.items()}
-        kept = [_keeps(rule, item, known) for rule in cls.rules]
+        for rule in cls.rules:
+            with item.problems.at(item):
+                rule.check(item, known)
         try:
             table = handler(values)
         except ValidationError as failure:
             wrong = _note(item, failure, known)
             table = _again(handler, {key: values[key] for key in values if key not in wrong})
-        if not all(kept):
-            raise Noted
         table._place = item  # noqa: SLF001 - our own
         return table
 
@@ -130,13 +130,6 @@ Listed = Annotated[list[Anything], BeforeValidator(lambda item: item.items)]
 """Values after dashes."""
 
 
-def _keeps(rule: Rule, item: Item, known: Collection[str]) -> bool:
-    with item.problems.at(item):
-        rule.check(item, known)
-        return True
-    return False
-
-
 def _again(handler: Callable[[dict[str, Item]], Any], values: dict[str, Item]) -> Any:
     try:
         return handler(values)
@@ -146,7 +139,7 @@ def _again(handler: Callable[[dict[str, Item]], Any], values: dict[str, Item]) -
 
 def _note(item: Item, failure: ValidationError, known: Collection[str] = ()) -> set[object]:
     """Note as problems what is wrong with a value; the keys behind which it is."""
-    wrong = set()
+    wrong: set[object] = set()
     for error in failure.errors(include_url=False, include_input=False):
         with item.problems.at(_place(item, error, known)):
             raise TOLD[error["type"]](error, known)

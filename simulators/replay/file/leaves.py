@@ -70,17 +70,10 @@ FrameShape = Annotated[
     Item, Leaf(lambda item: pattern(item.text), {"type": "string", "pattern": LIKE_A_FRAME})
 ]
 
-Parameters = Annotated[
-    dict[Name, Scalar],
-    BeforeValidator(lambda item: {pair.key: pair.value for pair in item.pairs.values()}),
-]
+BY_NAME = BeforeValidator(lambda item: {pair.key: pair.value for pair in item.pairs.values()})
+Parameters = Annotated[dict[Name, Scalar], BY_NAME]
 """Values by their names; there may be none."""
-
-Named = Annotated[
-    dict[Name, Value],
-    Field(min_length=1),
-    BeforeValidator(lambda item: {pair.key: pair.value for pair in item.pairs.values()}),
-]
+Named = Annotated[dict[Name, Value], Field(min_length=1), BY_NAME]
 """What is told of at least one name."""
 
 WORD_OR_TABLE = Discriminator(lambda item: "table" if item.is_mapping else "word")

@@ -1,11 +1,11 @@
 """A step of a scenario: when, which node, and what is done."""
 
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import Field, Tag
 
 from simulators.documents.document import Item
-from simulators.documents.rules import Apart, Beside, OneOf
+from simulators.documents.rules import Apart, Beside, OneOf, Rule
 from simulators.documents.table import Table
 from simulators.replay.file.leaves import (
     WORD_OR_TABLE,
@@ -36,7 +36,7 @@ Faults = Annotated[
 class Deed(Table):
     """What is done, and to which node."""
 
-    rules = (
+    rules: ClassVar[tuple[Rule, ...]] = (
         OneOf("to do", VERBS),
         Beside("abort", ("write", "read")),
         Beside("timeout", ("write", "read")),

@@ -2,12 +2,12 @@
 
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from simulators.documents.document import Item
 from simulators.documents.rules import OneOf
 from simulators.documents.table import IfRight, Leaf, Listed, Table
-from simulators.replay.file.leaves import Name, Named, Parameters, Scalar, Seconds, Text, whole
+from simulators.replay.file.leaves import BY_NAME, Name, Parameters, Seconds, Text, whole
 from simulators.replay.file.step import Deed, Step
 
 VERSION = 1
@@ -23,24 +23,28 @@ def _check(version: Item) -> None:
             raise version.wrong(f"version {version.text} is unknown; this program reads {VERSION}")
 
 
+KNOWN_VERSION = Leaf(_check, {"const": VERSION})
+NODE_ID = Leaf(lambda item: item.value, {"type": "integer", "minimum": 1, "maximum": 127})
+
+
 class Node(Table):
     """A device as it is delivered."""
 
     device: Name
     """Which device, by its name in `canopen-twin list`."""
-    node_id: Scalar | None = None
+    node_id: Annotated[Item, NODE_ID] | None = None
     """The node id it is delivered with, 1..127."""
     settings: Parameters | None = None
     """How it is delivered and what is around it; see `canopen-twin settings DEVICE`."""
 
 
-Nodes = Annotated[Named[IfRight[Node]], Field(max_length=MOST_NODES)]
+Nodes = Annotated[dict[Name, IfRight[Node]], Field(min_length=1, max_length=MOST_NODES), BY_NAME]
 
 
 class File(Table):
     """What every file has."""
 
-    version: Annotated[Item, Leaf(_check, {"const": VERSION})]
+    version: Annotated[Item, KNOWN_VERSION]
     """Version of the format: 1."""
     note: Text | None = None
     """Free text."""
@@ -49,6 +53,8 @@ class File(Table):
 class Bench(File):
     """Several twins on one bus."""
 
+    model_config = ConfigDict(title="Bench file")
+
     nodes: Nodes
     """Who is on the bus, by names of your own."""
 
@@ -56,6 +62,7 @@ class Bench(File):
 class Story(File):
     """A story with an end, that is played and judged."""
 
+    model_config = ConfigDict(title="Scenario")
     rules = (OneOf("says who takes part", ("node", "nodes"), "a scenario"),)
 
     name: Text | None = None
@@ -63,7 +70,7 @@ class Story(File):
     covers: Listed[Text] | None = None
     """The statements it is about, such as T-193."""
     seed: Annotated[Item, whole(0, HIGHEST_SEED)] | None = None
-    """What every fault and device begins with whose chance has a `seed` of its own."""
+    """Where chance begins, for every fault and device that has a `seed` and is given none."""
     duration: Seconds | None = None
     """Seconds that the run lasts at least."""
     bit_rate: Annotated[Item, whole(*BIT_RATES)] | None = None

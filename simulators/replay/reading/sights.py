@@ -1,7 +1,6 @@
 """What should be seen, or is waited for: signs with the objects of their node."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 
 from simulators.documents.document import Item
 from simulators.documents.problems import Noted
@@ -57,9 +56,7 @@ def sign(told: keys.Sign, rehearsal: Rehearsal) -> Sign:
     """
     for kind, read in SIGNS.items():
         if (value := getattr(told, kind)) is not None:
-            found = read(value, rehearsal)
-            by_master = isinstance(found, FrameLike) and told.sender is not None
-            return replace(found, by_master=True) if by_master else found
+            return read(value, rehearsal, told.sender is not None)
     raise Noted  # as a problem of its value
 
 
@@ -67,34 +64,34 @@ def _is_none(value: object) -> bool:
     return isinstance(value, Item) and value.text == NONE
 
 
-def _emcy(told: Item | keys.Emcy, _: Rehearsal) -> Sign:
+def _emcy(told: Item | keys.Emcy, *_: object) -> Sign:
     if isinstance(told, Item):
         return EmcyLike()
     fields = (told.code, told.bits, told.detail)
     return EmcyLike(*(None if field is None else field.whole for field in fields))
 
 
-def _frame(told: Item, _: Rehearsal) -> Sign:
-    return FrameLike(told.text.strip().replace(".", "").upper())
+def _frame(told: Item, _: Rehearsal, by_master: bool) -> Sign:
+    return FrameLike(told.text.strip().replace(".", "").upper(), by_master)
 
 
-def _heartbeat(told: Item, _: Rehearsal) -> Sign:
+def _heartbeat(told: Item, *_: object) -> Sign:
     return HeartbeatLike(HEARTBEATS.get(told.text))
 
 
-def _value(told: Told, rehearsal: Rehearsal) -> Sign:
+def _value(told: Told, rehearsal: Rehearsal, *_: object) -> Sign:
     return Holds(wanted(told, rehearsal.targets.find))
 
 
-def _state(told: Item, _: Rehearsal) -> Sign:
+def _state(told: Item, *_: object) -> Sign:
     return Entered(STATES[told.text])
 
 
-def _write(told: Told, rehearsal: Rehearsal) -> Sign:
+def _write(told: Told, rehearsal: Rehearsal, *_: object) -> Sign:
     return Written(wanted(told, rehearsal.targets.find_any))
 
 
-def _nmt(told: Item, _: Rehearsal) -> Sign:
+def _nmt(told: Item, *_: object) -> Sign:
     return Commanded(COMMANDS[told.text])
 
 
@@ -107,4 +104,4 @@ SIGNS: Mapping[str, Callable[..., Sign]] = {
     "write": _write,
     "nmt": _nmt,
 }
-"""Called with what stands behind the key, and the rehearsal of the node."""
+"""Called with what stands behind the key, the rehearsal of the node, and whether of the master."""

@@ -53,9 +53,10 @@ def _power(told: Item, step: Deed, cast: Cast) -> Action:
 def _inject(told: Item | Mapping[Item, Values], step: Deed, cast: Cast) -> Action:
     rehearsal = cast.rehearsal(step.node, step.place)
     lasts = _lasts(step, cast)
+    value = step.place.pairs["inject"].value
     faults = {}
     for name, given in ({told: {}} if isinstance(told, Item) else told).items():
-        with name.problems.at(step.place.pairs["inject"].value):
+        with name.problems.at(value.pairs[name.text].value if value.is_mapping else name):
             faults[name.text] = rehearsal.inject(name, given)
             if lasts is not None:
                 rehearsal.heal(name)
