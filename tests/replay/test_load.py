@@ -1,6 +1,8 @@
 import pytest
 from probe import Probe
 
+from simulators.replay.scenario import At
+
 
 def test_a_file_says_who_takes_part_and_what_happens_when(loaded):
     scenario = loaded(
@@ -19,9 +21,8 @@ def test_a_file_says_who_takes_part_and_what_happens_when(loaded):
     assert (scenario.name, scenario.note) == ("A story", "Of a probe.")
     assert {name: spec.device for name, spec in scenario.nodes.items()} == {"probe": Probe}
     assert scenario.nodes["probe"].create().node_id == 7
-    steps = [(step.at, step.node, step.line, step.note) for step in scenario.steps]
-    assert steps == [(0.5, "probe", 6, "Why not."), (1.0, "probe", 9, "")]
-    assert scenario.duration == 3.5
+    steps = [(step.moment, step.node, step.line, step.note) for step in scenario.steps]
+    assert steps == [(At(0.5), "probe", 6, "Why not."), (At(1.0), "probe", 9, "")]
 
 
 def test_a_scenario_without_a_name_has_that_of_its_file(loaded):
