@@ -109,13 +109,16 @@ def test_a_node_that_cannot_take_part_is_pointed_at(problems, node, problem):
         ("# nothing\n", "1:1: an empty file; the first line is version: 1"),
         ("- 1\n", "1:1: a key with a value is wanted here, such as {key: value}"),
         ("{node: {device: probe}, steps: []}", "1:1: 'version' is missing"),
-        ("{version: 1, steps: []}", "1:1: 'node' is missing"),
+        ("{version: 1, steps: []}", "1:1: nothing says who takes part: a scenario"),
         ("{version: 1, node: {device: probe}}", "1:1: 'steps' is missing"),
         ("{version: 1.5, node: {device: probe}, steps: []}", "1:11: 1.5 is no whole number"),
         ("{version: '1', node: {device: probe}, steps: []}", "1:11: '1' is no number"),
         ("{version: 1, node: {device: probe}, steps: 5}", "1:44: a list is wanted here"),
         ("{version: 1, node: {device: probe}, steps: [5]}", "1:45: a key with a value is"),
-        ("{version: 1, nodes: {}, node: {device: probe}, steps: []}", "1:14: unknown key 'nodes'"),
+        (
+            "{version: 1, nodes: {a: {device: probe}}, node: {device: topcon}, steps: []}",
+            "1:1: node and nodes at once: a scenario has one of node, nodes",
+        ),
         ("{version: 1, name: [], node: {device: probe}, steps: []}", "1:20: one value is"),
     ],
 )
