@@ -65,11 +65,7 @@ class Inject(Action):
 
     def carry_out(self, stage: Stage) -> None:
         """In the order of the file."""
-        if self.lasts is not None:
-            stage.heal(tuple(self.faults), self.lasts)
-        with stage.node.acting():
-            for name, parameters in self.faults.items():
-                stage.inject(name, parameters)
+        stage.inject(self.faults, self.lasts)
 
 
 @dataclass(frozen=True)
@@ -81,5 +77,4 @@ class Clear(Action):
 
     def carry_out(self, stage: Stage) -> None:
         """Without effect if it is not active."""
-        with stage.node.acting():
-            stage.clear(self.fault)
+        stage.clear(self.fault)

@@ -32,7 +32,7 @@ class Expectation(Action):
 
     def carry_out(self, stage: Stage) -> None:
         """Watch from now on."""
-        stage.watch(self)
+        stage.watch_for(self)
 
     def __str__(self) -> str:
         before = f" before {self.before}" if self.before else ""

@@ -37,17 +37,16 @@ class Stage(Protocol):
         go on. The step has been carried out when all is done.
         """
 
-    def inject(self, fault: str, parameters: Mapping[str, Any]) -> None:
-        """Let something go wrong with the node."""
+    def inject(
+        self, faults: Mapping[str, Mapping[str, Any]], lasts: float | Condition | None
+    ) -> None:
+        """Let things go wrong with the node, until it is cleared or heals by itself."""
 
     def clear(self, fault: str | None) -> None:
         """Take a fault of the node away, or all of them."""
 
-    def heal(self, faults: Sequence[str], moment: float | Condition) -> None:
-        """Take faults of the node away later, unless somebody does so before."""
-
     def report(self, finding: Finding) -> None:
         """Take what has been decided at once."""
 
-    def watch(self, expectation: Expectation) -> None:
+    def watch_for(self, expectation: Expectation) -> None:
         """Take what will be decided."""

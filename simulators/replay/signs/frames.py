@@ -1,5 +1,6 @@
 """Frames of a node or of the master."""
 
+import re
 from dataclasses import dataclass
 from functools import cached_property
 from re import Pattern
@@ -75,7 +76,11 @@ class FrameLike(FrameSign):
 
     def resembles(self, frame: Frame, node: Node) -> bool:
         """The same identifier."""
-        return str(frame).split("#")[0] == self.text.split("#")[0]
+        return self._identifier.match(str(frame)) is not None
+
+    @cached_property
+    def _identifier(self) -> Pattern[str]:
+        return re.compile(self.text.split("#")[0].replace("X", "[0-9A-F]") + "#")
 
     @cached_property
     def _digits(self) -> Pattern[str]:
