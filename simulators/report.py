@@ -1,12 +1,36 @@
-"""What happened last on a bus, for people: the frames in words, the faults, the devices."""
+"""What happened last on a bus, for people: the frames in words, the devices, and why."""
 
 from collections.abc import Sequence
 
 from simulators.decode import Decoder
 from simulators.node import Node
 from simulators.segment import Record
+from simulators.why import why
 
 SHOWN = 20  # frames
+
+
+def scene(
+    records: Sequence[Record],
+    nodes: Sequence[Node],
+    about: Sequence[Node],
+    since: float = 0.0,
+    wanted: str = "",
+) -> str:
+    """The last frames among all nodes; how some of them are, and why they answered as they did.
+
+    Args:
+        records: Frames, the last ones last.
+        nodes: Everybody on the bus, for the words.
+        about: Those that are of interest.
+        since: Where the time of the records begins, in seconds of the clock.
+        wanted: What was waited for in vain, as `why` takes it.
+    """
+    lines = [last_frames(records, nodes)]
+    for node in about:
+        reasons = why(node, records[-SHOWN:], since, wanted)
+        lines += [device_state(node), *(f"  why: {reason}" for reason in reasons)]
+    return "\n".join(lines)
 
 
 def last_frames(records: Sequence[Record], nodes: Sequence[Node]) -> str:

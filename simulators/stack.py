@@ -75,12 +75,10 @@ class Stack:
     def close(self) -> None:
         """Fall silent."""
         self.slave.clock.close()
-        self.slave.wire.diary.enter(State.INITIALISING)
         self._device.on_state(State.INITIALISING)
 
     def _announce(self, state: State) -> None:
         self.state = state
-        self.slave.wire.diary.enter(state)
         self._device.on_state(state)
         for service in self._services:
             service.on_state(state)

@@ -12,7 +12,7 @@ from simulators.replay.master import Master
 from simulators.replay.scenario import Expectation, Scenario, Stage, Step
 from simulators.replay.verdict import Finding, Kind, Outcome, Verdict
 from simulators.replay.window import Window
-from simulators.report import SHOWN, device_state, last_frames
+from simulators.report import SHOWN, scene
 from simulators.segment import Record, Segment
 from simulators.wire import Frame
 
@@ -112,9 +112,11 @@ class Player:
         outcome = Outcome(finding.kind, time, step.line, what, finding.seen, step.note)
         if finding.kind is Kind.PASS:
             return outcome
-        frames = last_frames(tuple(self._recent), tuple(self._nodes.values()))
-        state = device_state(self._nodes[step.node])
-        return replace(outcome, scene=f"{frames}\n{state}")
+        nodes, about = tuple(self._nodes.values()), [self._nodes[step.node]]
+        return replace(
+            outcome,
+            scene=scene(tuple(self._recent), nodes, about, self._begin / MICROSECONDS, what),
+        )
 
     def _time(self, tick: int) -> float:
         return (tick - self._begin) / MICROSECONDS

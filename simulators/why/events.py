@@ -18,15 +18,16 @@ def emergencies(view: View) -> Iterator[Line]:
         data = record.frame.data
         is_emcy = view.is_own(record) and record.frame.can_id == can_id and len(data) > HEAD
         if is_emcy and (code := int.from_bytes(data[:2], "little")):
-            yield Line(record, _emcy(view, code, data[HEAD:]))
+            if meaning := _meaning(view, code, data[HEAD:]):
+                detail = int.from_bytes(data[HEAD:], "little")
+                yield Line(record, f"EMCY {code:04X}h detail {detail:X}h: {meaning}")
 
 
-def _emcy(view: View, code: int, field: bytes) -> str:
-    detail = int.from_bytes(field, "little")
+def _meaning(view: View, code: int, field: bytes) -> str:
+    """Its label and its section; empty if nobody knows it."""
     known = [*view.node.device.emergencies, *view.node.log.history]
     label = next((emcy.label for emcy in known if _is(emcy, code, field)), "")
-    text = f"EMCY {code:04X}h detail {detail:X}h{': ' if label else ''}{label}"
-    return text + in_brackets(view.sections.emcy(code))
+    return f"{label}{in_brackets(view.sections.emcy(code))}".strip()
 
 
 def _is(emcy: Emcy, code: int, field: bytes) -> bool:

@@ -82,8 +82,8 @@ def _carries(slave: Slave, mapping: int) -> bool:
 def _heartbeat(view: View, slave: Slave) -> str:
     if not slave.has(0x1017):
         return f"there is no heartbeat, nor an object 0x1017{view.service('heartbeat')}"
-    if period := slave.number(0x1017):
-        return f"heartbeat: every {period} ms, {view.named((0x1017, 0))}"
+    if slave.number(0x1017):
+        return ""
     return f"there is no heartbeat: {view.named((0x1017, 0))} is 0"
 
 
