@@ -15,12 +15,15 @@ def emergencies(view: View) -> Iterator[Line]:
     slave = view.node.slave
     can_id = None if slave is None else emcy_id(slave)
     for record in view.records:
-        data = record.frame.data
-        is_emcy = view.is_own(record) and record.frame.can_id == can_id and len(data) > HEAD
-        if is_emcy and (code := int.from_bytes(data[:2], "little")):
-            if meaning := _meaning(view, code, data[HEAD:]):
-                detail = int.from_bytes(data[HEAD:], "little")
-                yield Line(record, f"EMCY {code:04X}h detail {detail:X}h: {meaning}")
+        is_emcy = view.is_own(record) and record.frame.can_id == can_id
+        if is_emcy and (text := _emergency(view, record.frame.data)):
+            yield Line(record, text)
+
+
+def _emergency(view: View, data: bytes) -> str:
+    code, detail = int.from_bytes(data[:2], "little"), int.from_bytes(data[HEAD:], "little")
+    meaning = _meaning(view, code, data[HEAD:]) if code else ""
+    return f"EMCY {code:04X}h detail {detail:X}h: {meaning}" if meaning else ""
 
 
 def _meaning(view: View, code: int, field: bytes) -> str:
