@@ -1,7 +1,7 @@
 """Why a node says nothing at all, or not what somebody waits for."""
 
 import re
-from collections.abc import Callable, Mapping
+from math import inf
 
 from simulators.objects import Rejected
 from simulators.services import State
@@ -13,8 +13,9 @@ from simulators.services.tpdo import Tpdo
 from simulators.slave import Slave
 from simulators.why.view import View
 
-COB_ID_OF_FRAME = re.compile(r"(?:no )?([0-9A-F]{3})#")
+COB_ID_OF_FRAME = re.compile(r"([0-9A-F]{3})#")
 ON_REQUEST = (252, 253)
+OFF = -1  # the identifier of emergencies that are switched off
 
 
 def silence(view: View) -> str:
@@ -40,10 +41,24 @@ def missing(view: View, wanted: str) -> str:
     slave = view.node.slave
     if slave is None:
         return ""
+    can_id = _identifier(slave, wanted)
+    return "" if can_id is None else _struck(view, can_id) or _frame(view, slave, can_id)
+
+
+def _identifier(slave: Slave, wanted: str) -> int | None:
     if match := COB_ID_OF_FRAME.match(wanted):
-        return _frame(view, slave, int(match[1], 16))
-    word = wanted.partition(" ")[0]
-    return MISSING[word](view, slave) if word in MISSING else ""
+        return int(match[1], 16)
+    services = {"EMCY": emcy_id(slave) or OFF, "heartbeat": 0x700 + slave.node_id}
+    return services.get(wanted.partition(" ")[0])
+
+
+def _struck(view: View, can_id: int) -> str:
+    """The last fault among the records that has struck such a frame."""
+    begin = view.records[0].time if view.records else -inf
+    for strike in reversed(view.strikes()):
+        if strike.between(begin, inf) and strike.about.startswith(f"{can_id:03X}#"):
+            return f"{strike.about} was sent: the fault {strike.fault}"
+    return ""
 
 
 def _frame(view: View, slave: Slave, can_id: int) -> str:
@@ -54,7 +69,7 @@ def _frame(view: View, slave: Slave, can_id: int) -> str:
             return f"TPDO{number}: {why}" if why else ""
     if can_id == 0x700 + slave.node_id:
         return _heartbeat(view, slave)
-    return _emcy(view, slave) if can_id == emcy_id(slave) else ""
+    return _emcy(view, slave) if can_id == (emcy_id(slave) or OFF) else ""
 
 
 def _tpdo(view: View, slave: Slave, number: int, record: int) -> str:
@@ -98,6 +113,3 @@ def _emcy(view: View, slave: Slave) -> str:
         return f"no error is active{view.service('emcy')}"
     told = ", ".join(f"{emcy.code:04X}h {emcy.label}".strip() for emcy in active)
     return f"active, and told when they came: {told}{view.service('emcy')}"
-
-
-MISSING: Mapping[str, Callable[[View, Slave], str]] = {"EMCY": _emcy, "heartbeat": _heartbeat}

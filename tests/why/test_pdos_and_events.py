@@ -143,3 +143,25 @@ def test_emergencies_may_be_switched_off(bench, reasons):
 
 def test_a_heartbeat_that_runs_is_not_missing(topcon, reasons):
     assert reasons(topcon, "605#2B171000E8030000", wanted="heartbeat stopped within 1 s") == []
+
+
+@pytest.mark.parametrize(
+    ("fault", "parameters", "wanted", "frame"),
+    [
+        ("heartbeat_stopped", {}, "heartbeat operational within 1 s", "705#05"),
+        ("pdo_missing", {}, "185#* within 1 s", "185#0000000000000000"),
+        ("emcy_lost", {}, "EMCY any", "085#0033053000000000"),
+    ],
+)
+def test_what_a_fault_has_struck_was_sent(operational, reasons, fault, parameters, wanted, frame):
+    operational.send("605#2B171000E8030000")
+    operational.inject(fault, **parameters)
+    operational.send("185#R")
+    operational.run(1.0)
+    operational.inject("error", number=0x30)
+    operational.run(0.5)
+    assert reasons(operational, wanted=wanted)[-1] == f"{frame} was sent: the fault {fault}"
+
+
+def test_what_must_not_come_needs_no_reason_for_staying_away(operational, reasons):
+    assert reasons(operational, wanted="no 185#* for 1 s") == []
