@@ -21,6 +21,7 @@ WRONG_INPUT, INTERRUPTED, NO_READER = 2, 130, 141
 PROGRAM = "canopen-twin"
 
 DEVICE = "one of `canopen-twin list`"
+OBJECT = "as `objects DEVICE` names it: 0x2014=7, 0x1018:02, 'Run command=1'"
 SCENARIO = "a file, or the name of one that is shipped"
 HUB = "join a hub (default: 127.0.0.1:29536)"
 VERBOSE = "tell more; -vv the most"
@@ -125,6 +126,10 @@ def _catalogue(commands: Commands) -> None:
     ):
         command = _command(commands, name, text, "catalogue", name)
         command.add_argument("device", metavar="DEVICE", help=DEVICE)
+    text = "say what the manual says of an object, and whether it takes a value and why not"
+    command = _command(commands, "why", text, "why", "explain")
+    _device_arguments(command)
+    command.add_argument("object", metavar="OBJECT[=VALUE]", help=OBJECT)
     command = _command(commands, "faults", "print what can be injected", "faults", "faults")
     command.add_argument(
         "device", metavar="DEVICE", nargs="?", help=f"{DEVICE}; none: what every device has"

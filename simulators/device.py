@@ -64,6 +64,11 @@ class Device:
         return True
 
     @property
+    def silence(self) -> str:
+        """Why it is not `online`, in words for whoever waits for it."""
+        return ""
+
+    @property
     def nmt_state(self) -> State | None:
         """The NMT state the device is in by its own will; none where the master decides."""
         return None
@@ -155,19 +160,14 @@ class Device:
         """Change settings while the device runs.
 
         Raises:
-            UserError: unknown, of the wrong kind, or taken over at power-on only; the settings
-                are then as before.
+            UserError: unknown, of the wrong kind, taken over at power-on only, or not to go
+                together; the settings are then as before.
         """
         with self._trial(given, live=True):
             self.apply()
 
     def configure(self, **given: object) -> None:
-        """Change settings while the device is off.
-
-        Raises:
-            UserError: unknown, of the wrong kind, or they do not go together; the settings are
-                then as before.
-        """
+        """Change settings while the device is off; raises as `set` does."""
         with self._trial(given):
             pass
 

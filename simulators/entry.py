@@ -20,6 +20,7 @@ class Entry:
         "address",
         "high",
         "low",
+        "obstacle",
         "pack",
         "readable",
         "size",
@@ -40,6 +41,7 @@ class Entry:
         self.unpack: Callable[[bytes], Any] = _first(codec) if codec else variable.decode_raw
         whole = data_type in INTEGER_TYPES
         self.low, self.high = (variable.min, variable.max) if whole else (None, None)
+        self.obstacle: Callable[[int], str] | None = None
         self._source: Callable[[], Value] | None = None
         self._adjusts: list[Callable[[int], int]] = []
         self._writes: list[Callable[[int], None]] = []
@@ -49,6 +51,7 @@ class Entry:
     def bind(self, acts: Object) -> None:
         """Let an object act, after those that do already; the first that has a value is read."""
         self._source = self._source or acts.read
+        self.obstacle = self.obstacle or acts.obstacle
         if acts.adjust is not None:
             self._adjusts.append(acts.adjust)
         if acts.write is not None:

@@ -195,4 +195,5 @@ class Node:
         if self._stack is not None:
             self._before = self._stack.slave
             self._stack.close()
+            self.wire.diary.enter(State.INITIALISING)
             self._stack = None

@@ -51,9 +51,11 @@ class Object(NamedTuple):
 
     An entry with `read` has its value there; one without keeps what was written. `adjust` says
     what the device makes of a written value before it acts and is kept. `write` may raise
-    `Rejected`; the old value then stays.
+    `Rejected`; the old value then stays. `obstacle` says in words why a value that was taken has
+    no effect at this moment; empty if it has.
     """
 
     read: Callable[[], Value] | None = None
     write: Callable[[int], None] | None = None
     adjust: Callable[[int], int] | None = None
+    obstacle: Callable[[int], str] | None = None

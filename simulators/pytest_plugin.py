@@ -76,11 +76,11 @@ class BenchFactory:
         return self._watched(Bench.of(nodes))
 
     def _watched(self, bench: Bench) -> Bench:
-        from simulators.report import device_state, last_frames  # noqa: PLC0415
+        from simulators.report import scene  # noqa: PLC0415
 
         def story() -> str:
             nodes = bench.segment.nodes
-            return "\n".join([last_frames(bench.trace, nodes), *map(device_state, nodes)])
+            return scene(bench.trace, nodes)
 
         self._shown.append(story)
         return bench

@@ -1,12 +1,31 @@
-"""What happened last on a bus, for people: the frames in words, the faults, the devices."""
+"""What happened last on a bus, for people: the frames in words, the devices, and why."""
 
 from collections.abc import Sequence
 
 from simulators.decode import Decoder
 from simulators.node import Node
 from simulators.segment import Record
+from simulators.why import why
 
 SHOWN = 20  # frames
+
+
+def scene(records: Sequence[Record], nodes: Sequence[Node]) -> str:
+    """The last frames, how the nodes are, and why they answered as they did."""
+    return "\n".join([last_frames(records, nodes), *(condition(node, records) for node in nodes)])
+
+
+def condition(node: Node, records: Sequence[Record], since: float = 0.0, wanted: str = "") -> str:
+    """How a node is at this moment, and why it answered as it did.
+
+    Args:
+        node: The node.
+        records: Frames, the last ones last.
+        since: Where the time of the records begins, in seconds of the clock.
+        wanted: What was waited for in vain, as `why` takes it.
+    """
+    reasons = why(node, records[-SHOWN:], since, wanted)
+    return "\n".join([device_state(node), *(f"  why: {reason}" for reason in reasons)])
 
 
 def last_frames(records: Sequence[Record], nodes: Sequence[Node]) -> str:

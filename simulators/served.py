@@ -13,7 +13,7 @@ import can
 from simulators import devices
 from simulators.device import Device
 from simulators.node import Node
-from simulators.report import SHOWN, device_state, last_frames
+from simulators.report import SHOWN, scene
 from simulators.segment import Record, Segment
 from simulators.serve import serve
 from simulators.wire import Frame
@@ -76,8 +76,8 @@ class Served(AbstractContextManager["Served"]):
         self._order(self._node.power_on)
 
     def story(self) -> str:
-        """The last frames in words, and how the device is."""
-        return f"{last_frames(list(self._records), [self._node])}\n{device_state(self._node)}"
+        """The last frames in words, how the device is, and why it answered as it did."""
+        return scene(list(self._records), [self._node])
 
     def _act(self, action: Callable[[Device], None]) -> None:
         def act() -> None:

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import canopen
 
 from simulators.clock import Timer, Timing
+from simulators.diary import Diary
 from simulators.errors import UserError
 
 LONGEST = 8  # data bytes of a classic CAN frame
@@ -109,6 +110,7 @@ class Wire(canopen.Network):
         self.clock = clock
         self.name = name
         self.shut = False  # off the bus for a while: nothing goes out, nothing comes in
+        self.diary = Diary(clock)
         self.outgoing: list[Filter] = []
         self.incoming: list[Filter] = []
         self.outbox: Outbox = deque() if outbox is None else outbox

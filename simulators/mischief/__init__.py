@@ -35,7 +35,7 @@ def faults(node: Node, nodes: list[Node]) -> Faults:
 
 def _around(place: Place) -> Mapping[str, Fault]:
     return {
-        name: fault(kind, level, place)
+        name: fault(name, kind, level, place)
         for level, kinds in LEVELS.items()
         for name, kind in kinds.items()
     }

@@ -36,6 +36,9 @@ class Side(IntEnum):
 class Disturbance:
     """Its timers end with it: what it still holds back then is lost."""
 
+    name = ""
+    """That of its fault."""
+
     def __init__(self, node: Node) -> None:
         self.node = node
         self.clock = Scope(node.clock)
@@ -96,9 +99,14 @@ class Filtering(Disturbance):
     def __call__(self, frame: Frame, onward: Onward) -> None:
         """Strike, or let pass; a frame that was held back elsewhere may come when it has ended."""
         if self._running and self._fits(self.node, frame) and self._turn.strikes():
+            self.note(frame)
             self.strike(frame, onward)
         else:
             onward(frame)
+
+    def note(self, frame: Frame) -> None:
+        """Remember that a frame is struck: whoever asks why afterwards may find it healed."""
+        self.node.wire.diary.strike(frame, self.name)
 
     def strike(self, frame: Frame, onward: Onward) -> None:
         """Send onward what comes out of a frame."""
@@ -129,12 +137,13 @@ class Kind:
     """Called with a place and every parameter as a keyword."""
 
 
-def fault(kind: Kind, level: str, place: Place) -> Fault:
-    """A kind of fault at a place."""
+def fault(name: str, kind: Kind, level: str, place: Place) -> Fault:
+    """A kind of fault at a place, by its name."""
     running: list[Disturbance] = []
 
     def inject(**values: object) -> None:
         disturbance = kind.make(place, **values)
+        disturbance.name = name
         running.append(disturbance)
         disturbance.start()
 

@@ -60,6 +60,8 @@ class SdoFilter(Filtering):
             self._conversation.ask(frame.data)
             self._struck = self._hits()
             act = self.on_request if self._struck else _pass
+            if self._struck:
+                self.note(frame)
             act(frame, onward)
         else:
             onward(frame)

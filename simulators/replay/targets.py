@@ -46,13 +46,15 @@ class Targets:
         Raises:
             UserError: it is not.
         """
-        name = item.text
-        if name.startswith("0x"):
-            name = self._text(name)
+        return self.named(item.text)
+
+    def named(self, text: str) -> Target:
+        """The same for a text that is in no file; raises as `find` does."""
+        name = self._text(text) if text.startswith("0x") else text
         if name not in self._known:
             raise unknown("object", name, self._known)
         variable = self._known[name]
-        return Target(item.text, (variable.index, variable.subindex), variable)
+        return Target(text, (variable.index, variable.subindex), variable)
 
     def find_any(self, item: Item) -> Target:
         """The same; an address may also lead nowhere, for a master that shall be refused.

@@ -40,6 +40,10 @@ class Nmt(Service):
         """Commands of the NMT master."""
         yield (0x000, False), self.on_command
 
+    def on_state(self, state: State) -> None:
+        """Kept for whoever asks afterwards why something was not answered."""
+        self.slave.wire.diary.enter(state)
+
     def on_command(self, frame: Frame) -> None:
         """Obey if the length is right and the command meant for this node or for all."""
         if len(frame.data) not in self.slave.profile.nmt_lengths:

@@ -9,6 +9,7 @@ from simulators.slave import Slave
 from simulators.wire import Frame
 
 REQUEST_LENGTH = 8
+LEFT_OPEN = Rejected("nobody went on with the transfer", Abort.TIME_OUT)
 NO_OBJECT = bytes(3)  # index and sub-index of an answer that belongs to no object
 ABORTS, LITERAL_ABORTS = range(0x80, 0xA0), range(0x80, 0x81)
 BLOCK_INITIATES = frozenset({*BLOCK_UPLOADS, *BLOCK_DOWNLOADS})
@@ -54,7 +55,7 @@ class SdoServer(Service):
                 self._multiplexer = self._named(data)
                 raise Rejected("no command, or not its turn", Abort.COMMAND)
         except Rejected as refusal:
-            self._refuse(refusal.code)
+            self._refuse(refusal)
 
     def _continue(self, transfer: Transfer, data: bytes) -> None:
         for answer in transfer.answer(data):
@@ -86,7 +87,7 @@ class SdoServer(Service):
         if self._time_out is not None:
             self._time_out.cancel()
         time = self.slave.profile.transfer_time_out
-        self._time_out = self.slave.clock.after(time, lambda: self._refuse(Abort.TIME_OUT))
+        self._time_out = self.slave.clock.after(time, lambda: self._refuse(LEFT_OPEN))
 
     def _close(self) -> None:
         self._transfer = None
@@ -94,9 +95,11 @@ class SdoServer(Service):
             self._time_out.cancel()
             self._time_out = None
 
-    def _refuse(self, code: int) -> None:
+    def _refuse(self, refusal: Rejected) -> None:
         self._close()
-        self._send(b"\x80" + self._multiplexer + code.to_bytes(4, "little"))
+        abort = b"\x80" + self._multiplexer + refusal.code.to_bytes(4, "little")
+        self.slave.wire.diary.refuse(Frame(self._answers, abort), refusal)
+        self._send(abort)
 
     def _send(self, data: bytes) -> None:
         self.slave.wire.put(Frame(self._answers, data))

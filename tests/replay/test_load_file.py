@@ -1,5 +1,4 @@
 import pytest
-from probe import Probe
 
 from simulators.replay.file.story import MOST_NODES, MOST_STEPS
 from simulators.replay.scenario import After, At

@@ -6,7 +6,7 @@ from functools import partial
 from simulators.devices.charger.model.catalogue import Kind
 from simulators.devices.charger.model.charger import Charger
 from simulators.devices.charger.model.parameter import Direction, OutOfRange, Parameter
-from simulators.devices.charger.model.release import Source
+from simulators.devices.charger.model.release import Source, State
 from simulators.objects import Abort, Address, Object, Rejected
 
 REFUSALS = {Direction.LOW: Abort.TOO_LOW, Direction.HIGH: Abort.TOO_HIGH}
@@ -22,7 +22,7 @@ class Control:
     @property
     def objects(self) -> Mapping[Address, Object]:
         """All that the model acts on, whatever the variant has."""
-        values, charger = self._charger.parameters, self._charger
+        values = self._charger.parameters
         return {
             **{
                 (0x2002, parameter.value): Object(
@@ -31,10 +31,17 @@ class Control:
                 )
                 for parameter in Parameter
             },
-            (0x2003, 0x01): Object(write=partial(charger.clear, Kind.ERROR)),
-            (0x2003, 0x02): Object(write=partial(charger.clear, Kind.WARNING)),
-            (0x6200, 0x01): Object(write=self._release),
+            (0x2003, 0x01): self._clearing(Kind.ERROR),
+            (0x2003, 0x02): self._clearing(Kind.WARNING),
+            (0x6200, 0x01): Object(write=self._release, obstacle=self._release_obstacle),
         }
+
+    def _clearing(self, kind: Kind) -> Object:
+        def obstacle(number: int) -> str:
+            active = self._charger.messages.find(kind, number)
+            return "its cause is still there (A-35)" if active else ""
+
+        return Object(write=partial(self._charger.clear, kind), obstacle=obstacle)
 
     def on_rpdo_refused(self, refusal: Rejected) -> None:
         """A byte in the RPDO that is neither locks; one that is missing is no byte (A-25, A-45)."""
@@ -46,6 +53,16 @@ class Control:
             self._charger.write(parameter, value)
         except OutOfRange as refusal:
             raise Rejected(str(refusal), REFUSALS[refusal.direction]) from refusal
+
+    def _release_obstacle(self, value: int) -> str:
+        release = self._charger.release
+        if Source.CANOPEN not in self._charger.enabled:
+            return "0x2002:02 bit 3 does not let CANopen release (A-46)"
+        if value == RELEASED and release.state is State.FAULT:
+            return "an error blocks the release until it is cleared (A-48)"
+        if value == RELEASED and not release.closed:
+            return "the hardware release is open"
+        return ""
 
     def _release(self, value: int) -> None:
         commands = {LOCKED: self._charger.revoke, RELEASED: self._charger.grant}

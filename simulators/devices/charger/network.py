@@ -53,9 +53,11 @@ class Network:
     def objects(self) -> Mapping[Address, Object]:
         """The parameter; what is written acts after it is saved and the node is reset."""
         return {
-            (0x2002, 0x06): Object(read=lambda: self.parameter.node_id, write=self._set_node_id),
+            (0x2002, 0x06): Object(
+                lambda: self.parameter.node_id, self._set_node_id, obstacle=self._obstacle
+            ),
             (0x2002, 0x07): Object(
-                read=lambda: self.parameter.bit_timing, write=self._set_bit_timing
+                lambda: self.parameter.bit_timing, self._set_bit_timing, obstacle=self._obstacle
             ),
         }
 
@@ -97,6 +99,10 @@ class Network:
     def reset_communication(self) -> None:
         """NMT 82h: what waits comes into force (CiA 305)."""
         self.active = self.pending
+
+    def _obstacle(self, value: int) -> str:
+        waits = self.parameter != self.active
+        return "it acts after it is saved by 0x1010 and the node is reset" if waits else ""
 
     def _set_node_id(self, node_id: int) -> None:
         self.parameter = self.parameter._replace(node_id=node_id)

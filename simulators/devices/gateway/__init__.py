@@ -16,7 +16,7 @@ from simulators.devices.gateway.model.timing import GRID
 from simulators.devices.gateway.nonvolatile import NonVolatile
 from simulators.devices.gateway.object_dictionary import OWN_NODE, PARTNER, fill, identify, measured
 from simulators.devices.gateway.profile import PROFILE
-from simulators.devices.gateway.report import report
+from simulators.devices.gateway.report import report, silence
 from simulators.devices.gateway.settings import Settings
 from simulators.devices.gateway.traffic import STATES, Disturbance, Traffic
 from simulators.faults import Fault
@@ -100,6 +100,11 @@ class Device(device.Device):
     def online(self) -> bool:
         """Whether the gateway communicates: it is initialised by the governor (chapter 3)."""
         return self.system.state in STATES
+
+    @property
+    def silence(self) -> str:
+        """What the units are about, and their errors."""
+        return silence(self.system)
 
     @property
     def nmt_state(self) -> State | None:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 from simulators.devices.gateway.model import errors
+from simulators.devices.gateway.model.canopen_errors import NUMBERS
 from simulators.devices.gateway.model.system import System
 
 
@@ -22,3 +23,15 @@ def report(system: System) -> Mapping[str, object]:
         "oil pressure [bar]": round(engine.oil_pressure, 2),
         "charge air [degC]": round(engine.charge_air, 1),
     }
+
+
+def silence(system: System) -> str:
+    """Why the gateway does not communicate; empty if it does (3, 9.5)."""
+    if system.listening:
+        return ""
+    units, word = (system.governor, system.gateway), system.value(0x2005, 0)
+    found = {number for unit in units for number in errors.numbers(unit.memory.present)}
+    found |= {number for number, error in NUMBERS.items() if word & error}
+    told = f", errors {', '.join(map(str, sorted(found)))}" if found else ", no errors"
+    lives = f"governor {system.governor.life.value}, gateway {system.gateway.life.value}"
+    return f"its CANopen state is {system.state.value}: {lives}{told}"

@@ -57,7 +57,7 @@ class Control:
         """Set values read back what is in force; the command reads back what was accepted last."""
         return {
             **{(index, 0): self._object(value) for index, value in self._set_values.items()},
-            (0x2014, 0): Object(read=lambda: self.last_command, write=self._command),
+            (0x2014, 0): Object(lambda: self.last_command, self._command, obstacle=self._obstacle),
         }
 
     def power_on_values(self) -> None:
@@ -83,7 +83,10 @@ class Control:
             if self._panel.yields(name.replace("_", " ")):
                 setattr(stage, name, quantity.value(parts))
 
-        return Object(read=lambda: quantity.parts(getattr(stage, name)), write=write)
+        def read() -> int:
+            return quantity.parts(getattr(stage, name))
+
+        return Object(read, write, obstacle=lambda _: self._panel.obstacle)
 
     def _command(self, command: int) -> None:
         if command not in self._commands:
@@ -91,6 +94,11 @@ class Control:
         if self._panel.yields(f"command {command}"):
             self._commands[command]()
             self.last_command = command
+
+    def _obstacle(self, command: int) -> str:
+        if command == RUN and self._stage.errors:
+            return "an error is active, and RUN waits for its reset (A-47)"
+        return self._panel.obstacle
 
     def _run(self) -> None:
         if self._stage.errors and self._settings.run_while_error == "abort":

@@ -28,6 +28,11 @@ class Panel:
         """Whether the card's RS-232 port answers: not without Pre-operational, not beside CAN."""
         return self._state is State.PRE_OPERATIONAL and self._quiet >= self._quiet_time  # A-07
 
+    @property
+    def obstacle(self) -> str:
+        """Why a setting from the bus does not act at this moment; empty if it does (6)."""
+        return "the panel is in control (manual 6)" if self.local else ""
+
     def want(self, local: bool) -> None:
         """The operator turns the key; without effect where the panel cannot go local."""
         self.local = local and self.may_go_local

@@ -30,7 +30,9 @@ class Judge:
     def decide(self, step: Step, finding: Finding, tick: int) -> None:
         """Take a finding down."""
         outcome = self._outcome(step, finding, tick)
-        scene = None if finding.kind in WITHOUT_SCENE else self._scenes.begin(outcome.time)
+        scene = None
+        if finding.kind not in WITHOUT_SCENE:
+            scene = self._scenes.begin(outcome.time, step.node, outcome.what)
         self._decided.append((outcome, scene))
         self._tell(step, outcome)
 
@@ -38,8 +40,9 @@ class Judge:
         """All that has been decided, and what would come of the rest at this moment."""
         outcomes = [replace(each, scene=str(scene or "")) for each, scene in self._decided]
         for step, finding in open_:
-            scene = self._scenes.look(self._time(tick))
-            outcomes.append(replace(self._outcome(step, finding, tick), scene=str(scene)))
+            outcome = self._outcome(step, finding, tick)
+            scene = self._scenes.look(outcome.time, step.node, outcome.what)
+            outcomes.append(replace(outcome, scene=str(scene)))
         return tuple(sorted(outcomes, key=lambda outcome: outcome.line))
 
     def _outcome(self, step: Step, finding: Finding, tick: int) -> Outcome:

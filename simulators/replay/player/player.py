@@ -49,7 +49,7 @@ class Player:
         self._wire = segment.master(NAME)
         self._begin = clock.ticks
         self._senses = Senses(self._nodes, clock)
-        self._scenes = Scenes(tuple(self._nodes.values()))
+        self._scenes = Scenes(self._nodes)
         self._judge = Judge(self._scenes, self._time, self._tell_outcome)
         self._clients = {
             name: Client(node, clock, self._send) for name, node in self._nodes.items()
@@ -70,6 +70,7 @@ class Player:
     def start(self) -> None:
         """The scenario begins now; its first steps come with the next move of the clock."""
         self._begin = self._clock.ticks
+        self._scenes.since = self._clock.now
         self._segment.listeners.append(self._hear)
         for name, node in self._nodes.items():
             node.listeners.append(partial(self._tell_state, name))

@@ -1,10 +1,10 @@
 """What is shown of the moment at which something was not as it should be."""
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from simulators.node import Node
-from simulators.report import SHOWN, device_state, last_frames
+from simulators.report import SHOWN, condition, last_frames
 from simulators.segment import Record
 
 AFTERWARDS = 5  # frames
@@ -13,10 +13,12 @@ AFTERWARDS = 5  # frames
 class Scene:
     """The last frames, how the nodes are at this moment, and the first frames after it."""
 
-    def __init__(self, before: Sequence[Record], nodes: Sequence[Node], time: float) -> None:
+    def __init__(
+        self, before: Sequence[Record], nodes: Sequence[Node], time: float, state: str
+    ) -> None:
         self._nodes = nodes
         self._before = last_frames(before, nodes)
-        self._state = "\n".join(map(device_state, nodes))
+        self._state = state
         self._mark = f"{time:12.6f}  ---- here"
         self._after: list[Record] = []
 
@@ -37,7 +39,8 @@ class Scene:
 class Scenes:
     """Keeps the last frames, and the scenes that are waiting for the next ones."""
 
-    def __init__(self, nodes: Sequence[Node]) -> None:
+    def __init__(self, nodes: Mapping[str, Node]) -> None:
+        self.since = 0.0  # when the scenario began, in seconds of the clock
         self._nodes = nodes
         self._recent: deque[Record] = deque(maxlen=SHOWN)
         self._open: list[Scene] = []
@@ -50,12 +53,17 @@ class Scenes:
                 scene.hear(record)
             self._open = [scene for scene in self._open if not scene.complete]
 
-    def begin(self, time: float) -> Scene:
+    def begin(self, time: float, node: str, wanted: str) -> Scene:
         """The scene of this moment, which takes in what comes after it."""
-        scene = self.look(time)
+        scene = self.look(time, node, wanted)
         self._open.append(scene)
         return scene
 
-    def look(self, time: float) -> Scene:
-        """The scene of this moment, as it is."""
-        return Scene(tuple(self._recent), self._nodes, time)
+    def look(self, time: float, node: str, wanted: str) -> Scene:
+        """The scene of this moment, as it is; `wanted` is what was waited for of a node in vain."""
+        recent = tuple(self._recent)
+        states = [
+            condition(each, recent, self.since, wanted if name == node else "")
+            for name, each in self._nodes.items()
+        ]
+        return Scene(recent, tuple(self._nodes.values()), time, "\n".join(states))

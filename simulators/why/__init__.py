@@ -1,0 +1,37 @@
+"""Why a device answered as it did, in words with the section of its manual.
+
+What follows from the node as it is (power, dictionary, settings, faults) is worked out when
+somebody asks; what does not, the diary of its wire has kept.
+"""
+
+from collections.abc import Sequence
+
+from simulators.node import Node
+from simulators.segment import Record
+from simulators.why import events, pdos, requests
+from simulators.why.sections import Sections, sections
+from simulators.why.silence import missing, silence
+from simulators.why.view import View
+
+__all__ = ["TOLD", "Sections", "View", "sections", "why"]
+
+TOLD = 6  # lines about frames
+
+
+def why(node: Node, records: Sequence[Record], since: float = 0.0, wanted: str = "") -> list[str]:
+    """What stood between a master and a node lately, the last of it last.
+
+    Args:
+        node: The one that is asked about, as it is now.
+        records: The last frames of the bus.
+        since: Where the time of the records begins, in seconds of the node's clock.
+        wanted: What was waited for in vain, in words that begin with a frame in the notation of
+            cansend, with `EMCY` or with `heartbeat`; empty if nothing was.
+    """
+    view = View(node, records, since)
+    explain = (requests.explained, pdos.explained, events.commands, events.emergencies)
+    places = {id(record): place for place, record in enumerate(records)}
+    lines = [line for lines in explain for line in lines(view)]
+    lines.sort(key=lambda line: places[id(line.record)])
+    told = [line.text for line in lines[-TOLD:]]
+    return [*told, *filter(None, (silence(view), missing(view, wanted)))]

@@ -1,0 +1,80 @@
+"""PDOs that a node did not take, or did not send when asked for."""
+
+from collections.abc import Iterator
+
+from simulators.objects import Rejected
+from simulators.segment import Record
+from simulators.services import cob_id as cob_ids
+from simulators.services.mapping import Mapped, mapped
+from simulators.services.pdo import COB_ID, Pdo
+from simulators.services.rpdo import Rpdo
+from simulators.services.tpdo import Tpdo
+from simulators.slave import Slave
+from simulators.why.view import Line, View
+
+
+def explained(view: View) -> Iterator[Line]:
+    """A line for every RPDO that was not taken and every TPDO that was asked for in vain."""
+    slave = view.node.slave
+    if slave is None:
+        return
+    foreign = [record for record in view.records if not view.is_own(record)]
+    for kind, remote, why in ((Rpdo, False, _not_taken), (Tpdo, True, _not_sent)):
+        records = [record for record in foreign if record.frame.remote is remote]
+        for number in kind.numbers(slave):
+            can_id = _cob_id(slave, kind, number) & cob_ids.CAN_ID
+            for record in (each for each in records if each.frame.can_id == can_id):
+                text = _off(view, slave, kind, number, record) or why(view, slave, number, record)
+                if text:
+                    name = f"{kind.__name__.upper()}{number}"
+                    yield Line(record, f"{record.frame} {name} {text}")
+
+
+def _cob_id(slave: Slave, kind: type[Pdo], number: int) -> int:
+    return slave.number(kind.communication + number - 1, COB_ID)
+
+
+def _off(view: View, slave: Slave, kind: type[Pdo], number: int, record: Record) -> str:
+    """What keeps a PDO from existing, whichever direction it has."""
+    verb = "not sent" if kind.sent else "not taken"
+    if not view.may(record.time, kind.active_in):
+        return f"{verb}: {view.unable(record.time, kind.active_in, 'PDO')}"
+    if _cob_id(slave, kind, number) & cob_ids.INVALID:
+        where = view.named((kind.communication + number - 1, COB_ID))
+        return f"{verb}: it is off, bit 31 of {where} is set"
+    for note in view.strikes():
+        if note.between(record.time, record.time) and note.about == str(record.frame):
+            return f"{verb}: the fault {note.fault}"
+    return ""
+
+
+def _not_sent(view: View, slave: Slave, number: int, record: Record) -> str:
+    """A remote request may be forbidden, or find nothing that is mapped."""
+    if _cob_id(slave, Tpdo, number) & cob_ids.NO_RTR:
+        return f"not sent: bit 30 of {view.named((Tpdo.communication + number - 1, COB_ID))} is set"
+    if not _parts(slave, Tpdo, number):
+        return f"not sent: nothing is mapped in {view.named((Tpdo.mapping + number - 1, 0))}"
+    return ""
+
+
+def _not_taken(view: View, slave: Slave, number: int, record: Record) -> str:
+    """Data may be too few, refused by an object, or of no use at this moment."""
+    parts, data = _parts(slave, Rpdo, number), record.frame.data
+    length = sum(size for _, size in parts)
+    if len(data) < length:
+        return f"not taken: {len(data)} of {length} bytes{view.service('pdo')}"
+    if reason := view.reason(record.frame, record.time):
+        return f"refused: {reason}{view.service('pdo')}"
+    for entry, size in parts:
+        part, data = data[:size], data[size:]
+        acts = None if entry is None else entry.obstacle
+        if entry is not None and acts is not None and (obstacle := acts(entry.unpack(part))):
+            return f"without effect: {obstacle}, {view.named(entry.address)}"
+    return ""
+
+
+def _parts(slave: Slave, kind: type[Pdo], number: int) -> list[Mapped]:
+    try:
+        return mapped(slave, kind.mapping + number - 1)
+    except Rejected:
+        return []
