@@ -65,7 +65,12 @@ class Player:
             finding = Finding(Kind.ERROR, f"{len(self._left)} steps from here on were not reached")
             outcomes.append(self._outcome(self._left[0], finding, self._clock.ticks))
         outcomes.sort(key=lambda outcome: outcome.line)
-        return Verdict(str(self.scenario.file), tuple(outcomes))
+        return Verdict(
+            str(self.scenario.file),
+            tuple(outcomes),
+            name=self.scenario.name,
+            seconds=self._time(self._clock.ticks),
+        )
 
     def _play(self, step: Step) -> None:
         self._left.popleft()
