@@ -6,6 +6,7 @@ No CAN is imported before the end of a collection that has found something to us
 from __future__ import annotations
 
 from collections.abc import Generator
+from importlib.metadata import entry_points
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 __all__ = ["canopen_bench", "canopen_device", "canopen_scenario", "canopen_simulated_time"]
 
 DEVICES = Path(__file__).parents[1] / "devices"
+GROUP = "canopen_twins.devices"  # that of simulators.devices, which imports CAN
 FIXTURES = __all__
 STORIES = (".twin.yaml", ".twin.yml")
 
@@ -48,8 +50,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     """A fixture for each device that is there."""
     fixtures = ModuleType("canopen_twins_devices")
-    for package in sorted(DEVICES.glob("*/__init__.py")):
-        name = package.parent.name
+    shipped = (package.parent.name for package in DEVICES.glob("*/__init__.py"))
+    for name in sorted({*shipped, *(each.name for each in entry_points(group=GROUP))}):
         setattr(fixtures, name, _device_fixture(name))
     config.pluginmanager.register(fixtures, fixtures.__name__)
 

@@ -23,5 +23,5 @@ def prepare(uses: Iterable[Set[str]]) -> None:
         import_module(MODULES[fixture])
     wanted = set().union(*(names & known or known for names in uses))
     for name in sorted(wanted):
-        with suppress(Exception):  # of a device that is broken; whoever asks for it is told
+        with suppress(Exception):  # a device is broken: whoever asks for it is told
             _ = Bench(name).sdo
