@@ -46,6 +46,9 @@ def judge(verdict: Verdict) -> None:
     """Raises what pytest takes for a failure or a skipped test; nothing for PASS."""
     from simulators.replay import Kind  # noqa: PLC0415
 
+    if verdict.kind is Kind.SKIP:
+        skipped = [each for each in verdict.outcomes if each.kind is Kind.SKIP]
+        pytest.skip(f"{verdict.file}:{skipped[0].line}: {skipped[0].seen}")
     if verdict.kind is not Kind.PASS:
         pytest.fail(str(verdict), pytrace=False)
 

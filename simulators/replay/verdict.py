@@ -9,6 +9,8 @@ class Kind(StrEnum):
     """How an expectation or a step ended, from good to bad."""
 
     PASS = "PASS"
+    SKIP = "SKIP"
+    """It was left out."""
     FAIL = "FAIL"
     """Something else came than was expected."""
     ERROR = "ERROR"

@@ -28,6 +28,7 @@ def test_a_story_leaves_what_came_of_it_in_the_report(report, story):
         ("canopen_scenario", "two.twin.yaml"),
         ("canopen_verdict", "FAIL"),
         ("canopen_pass", "1"),
+        ("canopen_skip", "0"),
         ("canopen_fail", "1"),
         ("canopen_error", "0"),
         ("canopen_seed", "1"),
