@@ -41,7 +41,8 @@ NOTES = {
     ),
     "Start": (
         "The first twin of a process pays for the import of its device and for reading EDS, message"
-        " table and unit types; every later one takes them from memory. `LocalNode` is measured"
+        " table and unit types; every later one takes them from memory. A test does not wait for"
+        " either: the pytest plugin does both at the end of the collection. `LocalNode` is measured"
         " without the second that its two networks take to shut down."
     ),
     "In a pytest session": (

@@ -13,9 +13,6 @@ import simulators.verdicts.properties  # noqa: F401
 pytest_plugins = ["pytester"]
 
 HEAD = "version: 1\nname: {name}\nnode: {{device: topcon, node_id: 5}}\nsteps:\n"
-PASSING = "- {at: 0.1, expect: {value: {Nominal voltage: 400}}}"
-FAILING = "- {at: 0.1, expect: {value: {Nominal voltage: 401}}}"
-BROKEN = "- {at: 0.1, write: {Run command: 3}}"
 
 
 @pytest.fixture

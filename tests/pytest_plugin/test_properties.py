@@ -2,7 +2,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from tests.pytest_plugin.conftest import BROKEN, FAILING, PASSING
+from .steps import BROKEN, FAILING, PASSING
 
 
 @pytest.fixture

@@ -3,7 +3,7 @@ import sys
 
 import pytest
 
-from tests.pytest_plugin.conftest import BROKEN, FAILING, PASSING
+from .steps import BROKEN, FAILING, PASSING
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-from tests.pytest_plugin.conftest import BROKEN, FAILING, PASSING
+from .steps import BROKEN, FAILING, PASSING
 
 SUITE = """
     import canopen
