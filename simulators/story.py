@@ -1,9 +1,7 @@
 """A bench on which a scenario is played, while somebody else's master lives through it."""
 
 from simulators.bench import Bench
-from simulators.replay import Player, Scenario, Verdict
-
-STRIDE = 1.0  # seconds between two looks whether it is over
+from simulators.replay import Player, Scenario, Verdict, finish
 
 
 class Story(Bench):
@@ -14,6 +12,8 @@ class Story(Bench):
 
     def __init__(self, scenario: Scenario) -> None:
         self._connect({name: spec.create() for name, spec in scenario.nodes.items()})
+        if scenario.bit_rate is not None:
+            self.segment.limit(scenario.bit_rate)
         nodes = {name: twin.node for name, twin in self.twins.items()}
         self._player = Player(scenario, self.segment, nodes)
         self._player.start()
@@ -33,5 +33,4 @@ class Story(Bench):
 
     def finish(self) -> None:
         """Let time pass until it is done."""
-        while not self.done:
-            self.run(STRIDE)
+        finish(self._player, self.segment)

@@ -85,14 +85,14 @@ class StoryFile(pytest.File):
 
 
 class StoryItem(pytest.Item):
-    """One scenario; `-k` finds it by its name, its file and its devices."""
+    """One scenario; `-k` finds it by its name, its file, its nodes and what it covers."""
 
     verdict: Verdict
 
     def __init__(self, *, scenario: Scenario, **described: object) -> None:
         super().__init__(**described)  # type: ignore[arg-type]
         self.scenario = scenario
-        self.extra_keyword_matches.update(scenario.nodes)
+        self.extra_keyword_matches.update(scenario.nodes, scenario.covers)
 
     def setup(self) -> None:
         """Play it; raises if it could not be told."""
