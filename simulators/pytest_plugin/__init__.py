@@ -88,10 +88,10 @@ def pytest_collection_finish(session: pytest.Session) -> None:
 def pytest_runtest_call(item: pytest.Item) -> Generator[None, object, object]:
     """A test is over when its stories are: what they expect counts as what it asserts."""
     result = yield
-    if stories := item.stash.get(TOLD, []):
+    if TOLD in item.stash:
         from simulators.pytest_plugin.stories import settle  # noqa: PLC0415
 
-        settle(item, stories)
+        settle(item)
     return result
 
 
@@ -104,4 +104,6 @@ def pytest_runtest_makereport(
     if report.failed:
         for story in item.stash.get(SHOWN, []):
             report.sections.append(("CANopen: last frames and devices", story()))
+        for told in item.stash.get(TOLD, []):
+            report.sections.append(("CANopen: the story so far", str(told.verdict)))
     return report

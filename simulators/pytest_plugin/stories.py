@@ -7,17 +7,17 @@ CI tell apart from a failure.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 
 from simulators.errors import UserError
+from simulators.pytest_plugin.fixtures import TOLD
 
 if TYPE_CHECKING:
     from simulators.replay import Scenario, Verdict
-    from simulators.story import Story
 
 
 def read(name: str) -> Scenario:
@@ -53,10 +53,12 @@ def judge(verdict: Verdict) -> None:
         pytest.fail(str(verdict), pytrace=False)
 
 
-def settle(item: pytest.Item, stories: Sequence[Story]) -> None:
-    """Play the rest of the stories of a test, note what came of them, and judge the worst."""
+def settle(item: pytest.Item) -> None:
+    """Play the rest of the stories of a test, note what came of them, and judge them."""
+    stories = item.stash[TOLD]
     for story in stories:
         story.finish()
+    del item.stash[TOLD]
     verdicts = [story.verdict for story in stories]
     note(item, verdicts)
     for verdict in verdicts:

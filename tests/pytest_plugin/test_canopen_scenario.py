@@ -41,7 +41,16 @@ def test_a_test_that_fails_by_itself_says_so_and_how_the_bench_was(run, story):
             assert canopen_scenario("late.yaml").sent == []
     """)
     result.assert_outcomes(failed=1)
-    result.stdout.fnmatch_lines(["*AssertionError*", "*CANopen: last frames*", "topcon: node 5*"])
+    result.stdout.fnmatch_lines(
+        [
+            "*AssertionError*",
+            "*CANopen: last frames*",
+            "topcon: node 5*",
+            "*CANopen: the story so far*",
+            "late.yaml: ERROR (1 ERROR)",
+            "* late.yaml:5: *: 1 steps from here on were not reached",
+        ]
+    )
     result.stdout.no_fnmatch_line("*3000.0*")
 
 
