@@ -41,8 +41,16 @@ NOTES = {
     ),
     "Start": (
         "The first twin of a process pays for the import of its device and for reading EDS, message"
-        " table and unit types; every later one takes them from memory. `LocalNode` is measured"
+        " table and unit types; every later one takes them from memory. A test does not wait for"
+        " either: the pytest plugin does both at the end of the collection. `LocalNode` is measured"
         " without the second that its two networks take to shut down."
+    ),
+    "In a pytest session": (
+        "The plugin imports and reads at the end of the collection what the tests it has found will"
+        " need, once for all of them, or once in each worker of pytest-xdist. No test waits for it,"
+        " not even the first. A device is ready when it has answered its first SDO request. With"
+        " pytest itself, its other plugins and the start of the process, a run of one test takes"
+        " as long as the last line says."
     ),
 }
 
@@ -151,6 +159,34 @@ SECTIONS = {
             "test_fresh[import-plugin]",
             "`import canopen`",
             "test_fresh[import-canopen]",
+        ),
+    ],
+    "In a pytest session": [
+        Figure(
+            "the fixture `topcon` of the first test",
+            "test_session[first]",
+            LOCAL_NODE,
+            "test_fresh[first-localnode]",
+            Goal(time=0.020),
+        ),
+        Figure(
+            "that of every later test",
+            "test_session[later]",
+            LOCAL_NODE,
+            "test_later_localnode",
+            Goal(time=0.020),
+        ),
+        Figure(
+            "the end of the collection before them",
+            "test_session[collection]",
+            "`import canopen`",
+            "test_fresh[import-canopen]",
+        ),
+        Figure(
+            "a run of one test, process and all",
+            "test_process[topcon]",
+            "a test of nothing",
+            "test_process[request]",
         ),
     ],
 }

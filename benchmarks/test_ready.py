@@ -76,6 +76,27 @@ def test_fresh(benchmark: BenchmarkFixture, fresh: Fresh, before: str, line: str
     )
 
 
+@pytest.mark.parametrize("stage", ["collection", "first", "later"])
+def test_session(benchmark: BenchmarkFixture, fresh: Fresh, stage: str):
+    """What a test with the fixture `topcon` waits for, until the twin has answered it."""
+    line = f"from benchmarks import session; session.run({stage!r})"
+    benchmark.pedantic(
+        lambda go_on: go_on(""), setup=lambda: ((fresh(line),), {}), rounds=9, warmup_rounds=1
+    )
+
+
+@pytest.mark.parametrize("fixture", ["topcon", "request"])
+def test_process(benchmark: BenchmarkFixture, tmp_path: Path, fixture: str):
+    """A run of one test with a twin or with nothing, process start included."""
+    (tmp_path / "test_one.py").write_text(f"def test_one({fixture}): pass")
+    command = [sys.executable, "-m", "pytest", "-q", "-c", os.devnull, str(tmp_path)]
+    benchmark.pedantic(
+        lambda: subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.DEVNULL),
+        rounds=5,
+        warmup_rounds=1,
+    )
+
+
 def test_later_twin(benchmark: BenchmarkFixture):
     """As a fixture makes one for each test."""
     benchmark(lambda: Bench("topcon", node_id=5).sdo.upload(peers.ACTUAL_VOLTAGE, 0))

@@ -24,12 +24,14 @@ class Bench:
 
     def __init__(self, device: str, **settings: object) -> None:
         self._connect({device: devices.create(device, **settings)})
+        self._power_on()
 
     @classmethod
     def of(cls, nodes: Mapping[str, tuple[str, int] | Device]) -> "Bench":
         """Several nodes on one bus and one clock: for each name a device and its node id."""
         bench = cls.__new__(cls)
         bench._connect({name: _device(what) for name, what in nodes.items()})  # noqa: SLF001
+        bench._power_on()  # noqa: SLF001
         return bench
 
     def _connect(self, parts: Mapping[str, Device]) -> None:
@@ -41,6 +43,8 @@ class Bench:
             name: Twin(name, device, self.segment, self.master) for name, device in parts.items()
         }
         self.segment.listeners.insert(0, self._record)
+
+    def _power_on(self) -> None:
         for twin in self.twins.values():
             twin.power_on()
 

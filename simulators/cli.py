@@ -95,6 +95,8 @@ def parser() -> argparse.ArgumentParser:
     ):
         command = _command(commands, name, text, "scenarios", name)
         command.add_argument("scenarios", nargs="+", metavar="SCENARIO", help=SCENARIO)
+        if name == "play":
+            _reports(command)
     text = "print the JSON Schema of scenarios or of bench files, for editors"
     command = _command(commands, "schema", text, "schema", "schema")
     command.add_argument("file", nargs="?", choices=("scenario", "bench"), default="scenario")
@@ -151,7 +153,15 @@ def _run(commands: Commands) -> None:
     command.add_argument(
         "--real-bus", action="store_true", help="the bus may have real devices on it"
     )
+    _reports(command)
     command.late = _bus_arguments
+
+
+def _reports(command: Parser) -> None:
+    command.add_argument(
+        "--junit", type=Path, metavar="FILE", help="write the verdict as JUnit XML, for CI"
+    )
+    command.add_argument("--json", action="store_true", help="the verdict for programs")
 
 
 def _hub(commands: Commands) -> None:

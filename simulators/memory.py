@@ -2,13 +2,12 @@
 
 import json
 import logging
-import os
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from simulators.errors import UserError
+from simulators.whole_file import write_whole
 
 log = logging.getLogger(__name__)
 
@@ -42,7 +41,7 @@ class Memory:
             raise OSError("it is worn")
         sections = {**self._sections, section: dict(values)}
         if self.path is not None:
-            _write(self.path, sections)
+            write_whole(self.path, json.dumps(sections, indent=1, sort_keys=True))
         self._sections = sections
 
 
@@ -74,17 +73,3 @@ def _sections(path: Path) -> dict[str, dict[str, Any]]:
     if not isinstance(content, dict) or not all(isinstance(s, dict) for s in content.values()):
         raise ValueError("no object of objects")
     return content
-
-
-def _write(path: Path, sections: Mapping[str, Mapping[str, Any]]) -> None:
-    """Replace the file in one step: whoever reads it finds the old content or the new one."""
-    handle, name = tempfile.mkstemp(prefix=path.name, suffix=".tmp", dir=path.parent)
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            json.dump(sections, file, indent=1, sort_keys=True)
-            file.flush()
-            os.fsync(file.fileno())
-        Path(name).replace(path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise

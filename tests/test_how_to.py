@@ -45,14 +45,19 @@ ON_VCAN = [name for name in JOBS if name.endswith("twin-on-vcan0")]
 INSTALLING = re.compile(r"(pip|apt-get|sudo) ")
 
 
+def checkout_of(page, folder):
+    """The files a page shows, in a folder."""
+    for name, text in files(page).items():
+        file = folder / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text)
+    return folder
+
+
 @pytest.fixture
 def checkout(tmp_path):
     """A project with a master, as the pages show it."""
-    for name, text in files(GITHUB).items():
-        file = tmp_path / name
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(text)
-    return tmp_path
+    return checkout_of(GITHUB, tmp_path)
 
 
 @pytest.fixture

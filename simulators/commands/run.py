@@ -5,11 +5,13 @@ import json
 from contextlib import nullcontext
 
 from simulators import replay
+from simulators.commands.announce import Announcer
 from simulators.commands.bus import Place, place
 from simulators.commands.cast import cast
 from simulators.commands.lock import held
 from simulators.commands.scenarios import load
 from simulators.commands.signals import OK, Wishes, signals
+from simulators.errors import UserError
 from simulators.line import OpenBus
 from simulators.lookout import looking
 from simulators.segment import Segment
@@ -26,7 +28,9 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _run(options: argparse.Namespace, wishes: Wishes) -> int:
-    segment = Segment()
+    if (options.json or options.junit) and not options.scenario:
+        raise UserError("--json and --junit tell of a verdict: say which with --scenario")
+    segment, announcer = Segment(), Announcer(options)
     scenario = load(options.scenario) if options.scenario else None
     nodes = {name: segment.node(device, name) for name, device in cast(options, scenario).items()}
     bus = place(options)
@@ -42,8 +46,10 @@ def _run(options: argparse.Namespace, wishes: Wishes) -> int:
         lambda: bool(wishes) or (player is not None and player.done),
         lambda: print(json.dumps(ready), flush=True),
     )
+    if player is not None and (player.done or announcer.wanted):
+        announcer.tell(player.verdict)
+        announcer.end()
     if player is not None and player.done:
-        print(player.verdict)
         return OK if player.verdict.ok else FAILED
     return wishes.code
 

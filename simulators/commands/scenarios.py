@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from simulators import replay
+from simulators.commands.announce import Announcer
 from simulators.errors import UserError, unknown
 from simulators.resources import scenario_file, scenarios
 
@@ -14,11 +15,13 @@ FAILED, WRONG_INPUT = 1, 2
 
 def play(options: argparse.Namespace) -> int:
     """Play every scenario, the trace first and then the verdict; 1 if one has failed."""
+    announcer = Announcer(options)
     failed = False
     for scenario in [load(name) for name in options.scenarios]:
-        verdict = replay.play(scenario, sys.stdout)
-        print(verdict)
+        verdict = replay.play(scenario, announcer.trace)
+        announcer.tell(verdict)
         failed = failed or not verdict.ok
+    announcer.end()
     return FAILED if failed else 0
 
 

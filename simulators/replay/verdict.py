@@ -1,6 +1,6 @@
 """What came of a scenario: an outcome for everything that was expected or went wrong."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import NamedTuple
 
@@ -46,6 +46,11 @@ class Verdict:
 
     file: str
     outcomes: tuple[Outcome, ...]
+    name: str = ""
+    """Of the scenario."""
+    seed: int = 1
+    seconds: float = field(default=0.0, compare=False)
+    """Of the scenario that have been played."""
 
     @property
     def kind(self) -> Kind:

@@ -100,7 +100,9 @@ class Player:
         """What has been found; what is not decided by now counts as an error."""
         open_ = [*self._steps.undecided, *self._cleanup.undecided]
         outcomes = self._judge.outcomes(open_, self._clock.ticks)
-        return Verdict(str(self.scenario.file), outcomes)
+        told = self.scenario
+        now = self._time(self._clock.ticks)
+        return Verdict(str(told.file), outcomes, told.name, told.seed, seconds=now)
 
     def _hear(self, frame: Frame, sender: str) -> None:
         self._scenes.hear(Record(self._time(self._clock.ticks), frame, sender))

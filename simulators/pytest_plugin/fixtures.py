@@ -1,17 +1,15 @@
-"""pytest fixtures for who tests master software; no CAN is imported before one is used.
+"""The fixtures: benches, twins in real time, and stories that a test lives through.
 
 `canopen_bench` makes benches in simulated time, `canopen_simulated_time` takes an unmodified master
-there, `canopen_device` serves twins on a python-can bus in real time, and every device has a
-fixture of its own name: a bench with this twin on it.
+there, `canopen_scenario` brings a story along, and `canopen_device` serves twins on a python-can
+bus in real time.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterator
-from importlib.metadata import entry_points
-from pathlib import Path
+from collections.abc import Callable, Iterator
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import pytest
 
@@ -19,42 +17,17 @@ if TYPE_CHECKING:
     from simulators.bench import Bench
     from simulators.device import Device
     from simulators.served import Served
+    from simulators.story import Story
 
 INTERFACE, CHANNEL = "canopen_interface", "canopen_channel"
-DEVICES = Path(__file__).parent / "devices"
-GROUP = "canopen_twins.devices"  # that of simulators.devices, which imports CAN
 
 SHOWN = pytest.StashKey[list[Callable[[], str]]]()
 """What a failing test has to show: functions that tell it, so that passing tests pay nothing."""
+TOLD = pytest.StashKey[list["Story"]]()
+"""The stories of a test, which is over when they are."""
 
 
-def pytest_addoption(parser: pytest.Parser) -> None:
-    """The bus of `canopen_device`."""
-    group = parser.getgroup("canopen", "CANopen twins")
-    for name, text in (
-        (INTERFACE, "python-can interface of `canopen_device` (default: virtual)"),
-        (CHANNEL, "its channel (default: one of its own for each test)"),
-    ):
-        group.addoption(f"--{name.replace('_', '-')}", dest=name, default=None, help=text)
-        parser.addini(name, text)
-
-
-def pytest_configure(config: pytest.Config) -> None:
-    """A fixture for each device that is there."""
-    fixtures = ModuleType("canopen_twins_devices")
-    shipped = (package.parent.name for package in DEVICES.glob("*/__init__.py"))
-    for name in sorted({*shipped, *(each.name for each in entry_points(group=GROUP))}):
-        setattr(fixtures, name, _device_fixture(name))
-    config.pluginmanager.register(fixtures, fixtures.__name__)
-
-
-def _device_fixture(name: str) -> object:
-    @pytest.fixture(name=name)
-    def bench(canopen_bench: BenchFactory) -> Bench:
-        return canopen_bench(name)
-
-    bench.__doc__ = f"A bench with one {name} on it, in simulated time."
-    return bench
+AnyBench = TypeVar("AnyBench", bound="Bench")
 
 
 class BenchFactory:
@@ -67,15 +40,16 @@ class BenchFactory:
         """A bench with one twin: `canopen_bench("topcon", node_id=5, load="resistor 4")`."""
         from simulators.bench import Bench  # noqa: PLC0415
 
-        return self._watched(Bench(device, **settings))
+        return self.watched(Bench(device, **settings))
 
     def of(self, nodes: dict[str, tuple[str, int] | Device]) -> Bench:
         """A bench with several twins, as `Bench.of`."""
         from simulators.bench import Bench  # noqa: PLC0415
 
-        return self._watched(Bench.of(nodes))
+        return self.watched(Bench.of(nodes))
 
-    def _watched(self, bench: Bench) -> Bench:
+    def watched(self, bench: AnyBench) -> AnyBench:
+        """The same bench; a test that fails shows it."""
         from simulators.report import scene  # noqa: PLC0415
 
         def story() -> str:
@@ -90,6 +64,26 @@ class BenchFactory:
 def canopen_bench(request: pytest.FixtureRequest) -> BenchFactory:
     """Makes benches: `canopen_bench("topcon", node_id=5)`; there is nothing to close."""
     return BenchFactory(request.node.stash.setdefault(SHOWN, []))
+
+
+@pytest.fixture
+def canopen_scenario(
+    request: pytest.FixtureRequest, canopen_bench: BenchFactory
+) -> Callable[[str], Story]:
+    """`canopen_scenario("trip.yaml")`: a bench on which this story is played meanwhile.
+
+    The file lies beside the test, or is one of those that are shipped. When the test is over, the
+    rest is played; it fails if the verdict is not PASS, and is skipped if it is SKIP.
+    """
+    from simulators.pytest_plugin.stories import beside  # noqa: PLC0415
+    from simulators.story import Story  # noqa: PLC0415
+
+    def begin(file: str) -> Story:
+        story = canopen_bench.watched(Story(beside(request.path, file)))
+        request.node.stash.setdefault(TOLD, []).append(story)
+        return story
+
+    return begin
 
 
 @pytest.fixture
@@ -140,15 +134,3 @@ def canopen_device(request: pytest.FixtureRequest) -> Iterator[Callable[..., Ser
 
 def _option(config: pytest.Config, name: str) -> Any:
     return config.getoption(name) or config.getini(name)
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_makereport(
-    item: pytest.Item,
-) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """A failing test shows what happened on its buses."""
-    report = yield
-    if report.failed:
-        for story in item.stash.get(SHOWN, []):
-            report.sections.append(("CANopen: last frames and devices", story()))
-    return report

@@ -1,10 +1,6 @@
 import subprocess
 import sys
 
-import pytest
-
-pytest_plugins = ["pytester"]
-
 REAL_TIME = """
     from threading import Event
 
@@ -21,15 +17,6 @@ REAL_TIME = """
 
             yield served, network.add_node(5, dictionary("topcon.eds", 5))
 """
-
-
-@pytest.fixture
-def run(pytester):
-    def run(source, *options):
-        pytester.makepyfile(source)
-        return pytester.runpytest_inprocess("-p", "no:cacheprovider", *options)
-
-    return run
 
 
 def test_a_bench_is_made_with_the_settings_it_is_asked_for(run):

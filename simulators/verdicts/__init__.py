@@ -1,0 +1,1 @@
+"""Verdicts for programs: JUnit XML, JSON, and flat properties of a test."""

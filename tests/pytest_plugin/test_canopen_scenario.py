@@ -1,0 +1,122 @@
+from .steps import BROKEN, FAILING, PASSING
+
+
+def test_a_test_lives_through_a_story(run, story):
+    story("trip.yaml", "- {at: 2, inject: {error: {number: 0x23}}}")
+    run("""
+        def test_trips(canopen_scenario):
+            bench = canopen_scenario("trip.yaml")
+            assert bench.sent == ["705#00"]
+            assert bench.run(1.9) == []
+            assert bench.run(0.2) == ["085#0023032300000000"]
+            assert bench.done
+            assert bench.verdict.ok
+    """).assert_outcomes(passed=1)
+
+
+def test_the_rest_of_the_story_decides_when_the_test_is_over(run, story):
+    story("late.yaml", FAILING.replace("0.1", "3000"))
+    result = run("def test_short(canopen_scenario): canopen_scenario('late.yaml').run(1)")
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(
+        [
+            "late.yaml: FAIL (1 FAIL)",
+            "  FAIL   3000.000000 s  late.yaml:5: Nominal voltage 401 at once: *is 400",
+        ]
+    )
+    assert "Traceback" not in result.stdout.str()
+
+
+def test_a_story_that_cannot_be_told_fails_the_test_and_is_told_apart(run, story):
+    story("broken.yaml", BROKEN)
+    result = run("def test_it(canopen_scenario): canopen_scenario('broken.yaml')")
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(["broken.yaml: ERROR (1 ERROR)"])
+
+
+def test_a_test_that_fails_by_itself_says_so_and_how_the_bench_was(run, story):
+    story("late.yaml", FAILING.replace("0.1", "3000"))
+    result = run("""
+        def test_it(canopen_scenario):
+            assert canopen_scenario("late.yaml").sent == []
+    """)
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(
+        [
+            "*AssertionError*",
+            "*CANopen: last frames*",
+            "topcon: node 5*",
+            "*CANopen: the story so far*",
+            "late.yaml: ERROR (1 ERROR)",
+            "* late.yaml:5: *: 1 steps from here on were not reached",
+        ]
+    )
+    result.stdout.no_fnmatch_line("*3000.0*")
+
+
+def test_a_story_lies_beside_the_test_or_is_shipped(run, story, pytester):
+    story("below/near.yaml", PASSING)
+    pytester.mkdir("elsewhere")
+    (pytester.path / "below" / "test_near.py").write_text("""
+def test_near(canopen_scenario):
+    canopen_scenario("near.yaml")
+def test_shipped(canopen_scenario):
+    assert canopen_scenario("topcon_overvoltage.yaml").run(2)
+""")
+    run(None, "below/test_near.py").assert_outcomes(passed=2)
+
+
+def test_one_that_is_not_there_or_wrong_is_told_in_a_line_each(run, story):
+    story("wrong.yaml", "- {at: 1, expct: 1}")
+    result = run("""
+        def test_none(canopen_scenario): canopen_scenario("topcon_overvoltag.yaml")
+        def test_wrong(canopen_scenario): canopen_scenario("wrong.yaml")
+    """)
+    result.stdout.fnmatch_lines(
+        [
+            "unknown scenario 'topcon_overvoltag.yaml': did you mean 'topcon_overvoltage.yaml'?",
+            "wrong.yaml:5:11: unknown key 'expct': did you mean 'expect'?",
+        ]
+    )
+    result.stdout.no_fnmatch_line("*Error*")
+
+
+def test_the_master_of_the_test_is_alive_to_the_end_of_the_story(run, story, pytester):
+    pytester.makepyfile(
+        supervisor="""
+        import threading, time
+        import canopen
+
+        def watch(eds):
+            network = canopen.Network().connect(interface="socketcan", channel="can0")
+            node = network.add_node(5, eds)
+
+            def turn_off(error):
+                stop.set()
+
+            def loop():
+                stop.wait()
+                node.sdo["Run command"].raw = 0
+
+            stop = threading.Event()
+            node.emcy.add_callback(turn_off)
+            threading.Thread(target=loop).start()
+            node.sdo["Run command"].raw = 1
+    """
+    )
+    story(
+        "trip.yaml",
+        """
+        - {at: 10, inject: {error: {number: 0x23}}}
+        - {at: 10, expect: {value: {Run command: 0}, within: 0.5}}
+        """,
+    )
+    run("""
+        import supervisor
+        from simulators.slave import dictionary
+
+        def test_gives_up(canopen_scenario, canopen_simulated_time):
+            bench = canopen_scenario("trip.yaml")
+            canopen_simulated_time(bench, "supervisor")
+            supervisor.watch(dictionary("topcon.eds", 5))
+    """).assert_outcomes(passed=1)

@@ -1,0 +1,67 @@
+import sys
+
+import pytest
+
+from simulators.pytest_plugin.preparation import prepare
+
+
+@pytest.fixture
+def imported(pytester):
+    """What of ours a process has imported before its first test, with a test of this head."""
+
+    def imported(head):
+        pytester.makeconftest(
+            """
+            import sys
+
+            def pytest_runtestloop(session):
+                names = [name for name in sys.modules if name.startswith("simulators.")]
+                print("imported:", *names)
+            """
+        )
+        pytester.makepyfile(f"def test_it({head}): pass")
+        result = pytester.runpytest_subprocess("-s", "-p", "no:cacheprovider")
+        result.assert_outcomes(passed=1)
+        (line,) = [line for line in result.outlines if line.startswith("imported:")]
+        return set(line.split()[1:])
+
+    return imported
+
+
+def test_a_test_without_our_fixtures_imports_nothing(imported):
+    assert "simulators.segment" not in imported("tmp_path")
+
+
+def test_the_fixture_of_a_device_has_it_imported_and_read_before_the_first_test(imported):
+    names = imported("topcon")
+    assert "simulators.devices.topcon" in names
+    assert "simulators.devices.charger" not in names
+    assert "simulators.served" not in names
+
+
+def test_a_fixture_for_any_device_has_all_of_them_there(imported):
+    assert {
+        "simulators.devices.topcon",
+        "simulators.devices.charger",
+        "simulators.devices.gateway",
+        "simulators.served",
+    } <= imported("canopen_device")
+
+
+def test_a_list_of_tests_is_made_without(pytester):
+    pytester.makepyfile("def test_it(topcon): pass")
+    pytester.makeconftest(
+        """
+        import sys
+
+        def pytest_unconfigure():
+            print("there:", "simulators.bench" in sys.modules)
+        """
+    )
+    result = pytester.runpytest_subprocess("--collect-only", "-q", "-s")
+    result.stdout.fnmatch_lines(["there: False"])
+
+
+def test_a_device_that_is_broken_is_told_to_whoever_asks_for_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "simulators.devices.topcon", None)
+    prepare([{"topcon", "canopen_bench"}])

@@ -1,0 +1,39 @@
+import json
+
+from simulators.replay import Verdict
+from simulators.verdicts.document import document
+
+
+def test_it_has_everything_a_verdict_has(verdict):
+    told = json.loads(document([verdict]))
+    assert told.keys() == {"version", "verdict", "scenarios"}
+    assert (told["version"], told["verdict"]) == (1, "ERROR")
+    (scenario,) = told["scenarios"]
+    outcomes = scenario.pop("outcomes")
+    assert scenario == {
+        "file": "stories/all.yaml",
+        "name": "Everything at once",
+        "verdict": "ERROR",
+        "seed": 7,
+        "duration": 12.5,
+    }
+    assert outcomes[1] == {
+        "verdict": "FAIL",
+        "time": 0.25,
+        "line": 6,
+        "what": "no EMCY for 1 s",
+        "seen": "2300/03/23",
+        "note": "A note.",
+        "scene": verdict.outcomes[1].scene,
+    }
+    assert [each["verdict"] for each in outcomes] == ["PASS", "FAIL", "ERROR", "ERROR", "SKIP"]
+
+
+def test_its_verdict_is_the_worst_of_several(verdict):
+    good = Verdict("good.yaml", ())
+    assert json.loads(document([good]))["verdict"] == "PASS"
+    assert json.loads(document([good, verdict, good]))["verdict"] == "ERROR"
+
+
+def test_it_is_one_line(verdict):
+    assert "\n" not in document([verdict])
