@@ -23,6 +23,7 @@ PROGRAM = "canopen-twin"
 DEVICE = "one of `canopen-twin list`"
 SCENARIO = "a file, or the name of one that is shipped"
 HUB = "join a hub (default: 127.0.0.1:29536)"
+PLOT = "draw the run: .png, .svg or .html (needs the extra `plot`)"
 VERBOSE = "tell more; -vv the most"
 
 Command = Callable[[argparse.Namespace], int]
@@ -94,6 +95,8 @@ def parser() -> argparse.ArgumentParser:
     ):
         command = _command(commands, name, text, "scenarios", name)
         command.add_argument("scenarios", nargs="+", metavar="SCENARIO", help=SCENARIO)
+        if name == "play":
+            command.add_argument("--plot", type=Path, metavar="FILE", help=PLOT)
     _vcan(commands)
     return top
 

@@ -1,0 +1,44 @@
+"""Looks at the nodes of a run after every moment at which something happened; leaves no trace."""
+
+from collections.abc import Mapping
+from math import isfinite
+
+from simulators.clock import MICROSECONDS
+from simulators.node import Node
+from simulators.plot.view import View
+from simulators.segment import Segment
+from simulators.wire import Frame
+
+GRAIN = 1  # microsecond: a moment of the clock is over when the next one begins
+
+
+class Observer:
+    """Begins before anything has happened on the segment; there is nothing to be stopped.
+
+    Between two moments of the clock nothing changes, so nothing escapes it, and a device at rest
+    costs nothing.
+    """
+
+    def __init__(self, segment: Segment, nodes: Mapping[str, Node]) -> None:
+        self.views = [View(name, node) for name, node in nodes.items()]
+        self._clock = segment.clock
+        self._begin = self._clock.ticks
+        segment.listeners.append(self._hear)
+        self._clock.at_tick(self._begin + GRAIN, self._look)
+
+    @property
+    def duration(self) -> float:
+        """Seconds since the beginning."""
+        return (self._clock.ticks - self._begin) / MICROSECONDS
+
+    def _look(self) -> None:
+        time = (self._clock.ticks - GRAIN - self._begin) / MICROSECONDS
+        for view in self.views:
+            view.look(time)
+        upcoming = self._clock.next_tick
+        if isfinite(upcoming):
+            self._clock.at_tick(int(upcoming) + GRAIN, self._look)
+
+    def _hear(self, frame: Frame, sender: str) -> None:
+        for view in self.views:
+            view.hear(self.duration, frame, sender)
