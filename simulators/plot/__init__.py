@@ -3,15 +3,15 @@
 Drawn by matplotlib, which comes with the extra `plot` and is imported for a picture only.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 
 from simulators.errors import UserError
-from simulators.node import Node
 from simulators.plot.observer import Observer
 from simulators.plot.page import page
 from simulators.plot.run import Run
+from simulators.replay.player import Player
 from simulators.replay.scenario import Scenario
 from simulators.replay.verdict import Verdict
 from simulators.segment import Segment
@@ -34,9 +34,9 @@ class Plot:
         self._draw = _drawing()
         self._observers: list[Observer] = []
 
-    def begin(self, segment: Segment, nodes: Mapping[str, Node]) -> None:
-        """Look at these nodes from now on."""
-        self._observers.append(Observer(segment, nodes))
+    def begin(self, segment: Segment, player: Player) -> None:
+        """Look at the nodes of a segment from now on; an observer of `play`."""
+        self._observers.append(Observer(segment))
 
     def save(self, scenario: Scenario, verdict: Verdict) -> None:
         """Write the file.

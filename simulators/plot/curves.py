@@ -1,6 +1,7 @@
 """A curve with its set value, and behind it what happened meanwhile."""
 
 import re
+from math import floor, log10
 from typing import TYPE_CHECKING
 
 from simulators.plot import look
@@ -11,7 +12,7 @@ from simulators.plot.view import Strip, View
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-DIGITS = 4  # of a value in words
+DIGITS = 4  # of an axis
 AIR = 0.08  # of the height of an axis
 BESIDE = -0.055  # of the axis: where the labels stand, one below the other
 
@@ -63,17 +64,21 @@ class CurvePanel:
         line.set_gid(identifier(self.view.name, self.strip.curve.label, name))
 
     def _told(self, value: float | None) -> str:
+        """As exactly as the axis can be read."""
         if value is None:
             return "none"
-        return f"{float(f'{value:.{DIGITS}g}'):g} {self.strip.curve.unit}".strip()
+        low, high = self._ends
+        digits = DIGITS - 1 - floor(log10(high - low))
+        return f"{round(value, digits) + 0.0:g} {self.strip.curve.unit}".strip()  # never -0
 
     def _events(self, axes: "Axes") -> None:
         for _, span in self.run.faults(self.view):
             axes.axvspan(span.start, span.end, color=look.FAULT, alpha=0.25, lw=0)
-        for each in self.view.emergencies:
-            axes.axvline(each.time, color=look.EMCY, lw=0.8, ls=":")
-        for outcome in self.run.failed:
-            axes.axvline(outcome.time, color=look.FAILED, lw=1)
+        emergencies = [each.time for each in self.view.emergencies]
+        failed = [each.time for each in self.run.failed]
+        height = axes.get_xaxis_transform()
+        axes.vlines(emergencies, 0, 1, color=look.EMCY, lw=0.8, ls=":", transform=height)
+        axes.vlines(failed, 0, 1, color=look.FAILED, lw=1, transform=height)
 
 
 def identifier(*words: str) -> str:

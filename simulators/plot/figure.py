@@ -11,8 +11,9 @@ from matplotlib.figure import Figure
 
 from simulators.plot import look
 from simulators.plot.curves import CurvePanel
-from simulators.plot.lanes import Emergencies, Expectations, Faults, Legend, States
+from simulators.plot.marks import Emergencies, Expectations, Faults
 from simulators.plot.run import Run
+from simulators.plot.states import Legend, States
 from simulators.plot.view import View
 
 if TYPE_CHECKING:

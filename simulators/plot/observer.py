@@ -1,10 +1,8 @@
 """Looks at the nodes of a run after every moment at which something happened; leaves no trace."""
 
-from collections.abc import Mapping
 from math import isfinite
 
 from simulators.clock import MICROSECONDS
-from simulators.node import Node
 from simulators.plot.view import View
 from simulators.segment import Segment
 from simulators.wire import Frame
@@ -19,8 +17,8 @@ class Observer:
     costs nothing.
     """
 
-    def __init__(self, segment: Segment, nodes: Mapping[str, Node]) -> None:
-        self.views = [View(name, node) for name, node in nodes.items()]
+    def __init__(self, segment: Segment) -> None:
+        self.views = [View(node) for node in segment.nodes]
         self._clock = segment.clock
         self._begin = self._clock.ticks
         segment.listeners.append(self._hear)

@@ -50,9 +50,9 @@ class Strip:
 class View:
     """Is told when to look, and hears the frames of its node; acts on nothing."""
 
-    def __init__(self, name: str, node: Node) -> None:
-        self.name = name
-        self.title = f"{name}, node {node.node_id}"
+    def __init__(self, node: Node) -> None:
+        self.name = node.wire.name
+        self.title = f"{self.name}, node {node.node_id}"
         self._node = node
         self._decoder = Decoder([node])
         chart = node.device.chart
@@ -87,7 +87,7 @@ class View:
         """Take an emergency down."""
         slave = self._node.slave
         told = slave is not None and len(frame.data) == LENGTH and frame.can_id == emcy_id(slave)
-        if sender != self._node.wire.name or not told:
+        if sender != self.name or not told:
             return
         if len(self.emergencies) == MOST_EMCYS:
             self.untold += 1

@@ -1,10 +1,9 @@
 """Plays a scenario in simulated time, and writes what was on the bus."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable
 from typing import TextIO
 
 from simulators.clock import MICROSECONDS
-from simulators.node import Node
 from simulators.replay.player import Player
 from simulators.replay.scenario import Scenario
 from simulators.replay.verdict import Verdict
@@ -12,18 +11,18 @@ from simulators.replay.window import GRAIN
 from simulators.segment import Record, Segment
 from simulators.wire import Frame
 
-OnStart = Callable[[Segment, Mapping[str, Node]], None]
-
 
 def play(
-    scenario: Scenario, trace: TextIO | None = None, on_start: OnStart | None = None
+    scenario: Scenario,
+    trace: TextIO | None = None,
+    observers: Iterable[Callable[[Segment, Player], None]] = (),
 ) -> Verdict:
     """Power on, every step until the last expectation is over, and the verdict.
 
     Args:
         scenario: What to play; it stays as it is.
         trace: Takes every frame in the format of `candump -L`, with simulated time.
-        on_start: Called with the segment and its nodes, before anything happens there.
+        observers: Called with the bus and its player before anything happens.
     """
     segment = Segment()
     nodes = {name: segment.node(spec.create(), name) for name, spec in scenario.nodes.items()}
@@ -33,9 +32,9 @@ def play(
             trace.write(f"{Record(segment.clock.now, frame, sender)}\n")
 
     segment.listeners.append(write)
-    if on_start is not None:
-        on_start(segment, nodes)
     player = Player(scenario, segment, nodes)
+    for attach in observers:
+        attach(segment, player)
     player.start()
     for node in nodes.values():
         node.power_on()
