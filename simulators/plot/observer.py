@@ -27,7 +27,7 @@ class Observer:
     @property
     def duration(self) -> float:
         """Seconds since the beginning."""
-        return (self._clock.ticks - self._begin) / MICROSECONDS
+        return max(self._clock.ticks - self._begin, GRAIN) / MICROSECONDS
 
     def _look(self) -> None:
         time = (self._clock.ticks - GRAIN - self._begin) / MICROSECONDS

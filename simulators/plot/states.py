@@ -56,7 +56,7 @@ class Legend(Lane):
     """Each state that there was, once, by the colour it has in the bars."""
 
     def __init__(self, run: Run, states: States) -> None:
-        found = [{point.value for point in points} for points in states.tracks.values()]
+        found = [[point.value for point in points] for points in states.tracks.values()]
         bands = [band for each in found for band in sorted(each, key=lambda band: band.mood)]
         self.entries = list(_flowing(dict.fromkeys(bands)))
         super().__init__(run, [""] * (self.entries[-1].row + 1))
