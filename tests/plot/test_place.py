@@ -1,0 +1,38 @@
+from hypothesis import given
+from hypothesis.strategies import floats, lists, text, tuples
+
+from simulators.plot.look import AXIS
+from simulators.plot.place import label, rows
+
+PLACES = floats(0, AXIS)
+BARS = lists(tuples(text("abc", min_size=1, max_size=40), PLACES, PLACES))
+
+
+def labels_of(bars):
+    return [
+        label(text, *sorted(ends)) for text, *ends in sorted(bars, key=lambda bar: min(bar[1:]))
+    ]
+
+
+@given(BARS)
+def test_no_label_lies_upon_another(bars):
+    labels = labels_of(bars)
+    placed = list(zip(rows(labels), labels, strict=True))
+    for at, (row, one) in enumerate(placed):
+        for other_row, other in placed[:at]:
+            assert row != other_row or other.right <= one.left or one.right <= other.left
+
+
+@given(BARS)
+def test_no_label_leaves_the_axis_on_the_right(bars):
+    for each in labels_of(bars):
+        assert each.right <= AXIS
+
+
+def test_a_label_stands_in_its_bar_or_beside_it():
+    inside, beside, before = label("mains", 1, 4), label("mains", 1, 1.1), label("mains", 9, AXIS)
+    assert 1 < inside.at < 4
+    assert beside.at > 1.1
+    assert not beside.flipped
+    assert before.flipped
+    assert before.at < 9
