@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 
-from simulators.plot.run import Run
+from simulators.plot.run import Run, Span
 from simulators.plot.view import MOST_EMCYS
 
 HEAD = """\
@@ -57,8 +57,12 @@ def _emergencies(run: Run) -> Iterator[str]:
 def _faults(run: Run) -> Iterator[str]:
     told = sorted((span, view.name, name) for view in run.views for name, span in run.faults(view))
     if told:
-        rows = [(_seconds(span.start), _seconds(span.end), node, name) for span, node, name in told]
+        rows = [(_seconds(span.start), _end(run, span), node, name) for span, node, name in told]
         yield _table("Faults", ("from [s]", "to [s]", "node", "fault"), rows)
+
+
+def _end(run: Run, span: Span) -> str:
+    return "the end" if span.end == run.duration else _seconds(span.end)
 
 
 def _seconds(time: float) -> str:

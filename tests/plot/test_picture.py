@@ -1,6 +1,7 @@
 import os
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import matplotlib as mpl
@@ -51,7 +52,7 @@ def test_a_curve_steps_when_its_value_does(svg):
     corners = svg.path("meter.level.actual")
     assert corners[0][0] == pytest.approx(place_of(0))
     assert corners[-1][0] == pytest.approx(place_of(10), abs=0.01)
-    rises = [x for (x, y), (_, other) in zip(corners, corners[1:], strict=False) if y != other]
+    rises = [x for (x, y), (_, other) in pairwise(corners) if y != other]
     assert rises == pytest.approx([place_of(1), place_of(4)], abs=0.01)
     nothing, half, full = (corners[at][1] for at in (0, 2, -1))
     assert (nothing - half) / (nothing - full) == pytest.approx(50 / 200, abs=1e-4)
