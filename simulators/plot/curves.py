@@ -5,7 +5,7 @@ from math import floor, log10
 from typing import TYPE_CHECKING
 
 from simulators.plot import look
-from simulators.plot.run import Run
+from simulators.plot.run import Run, joined
 from simulators.plot.track import Points
 from simulators.plot.view import Strip, View
 
@@ -72,7 +72,7 @@ class CurvePanel:
         return f"{round(value, digits) + 0.0:g} {self.strip.curve.unit}".strip()  # never -0
 
     def _events(self, axes: "Axes") -> None:
-        for _, span in self.run.faults(self.view):
+        for span in joined(span for _, span in self.run.faults(self.view)):
             axes.axvspan(span.start, span.end, color=look.FAULT, alpha=0.25, lw=0)
         emergencies = [each.time for each in self.view.emergencies]
         failed = [each.time for each in self.run.failed]

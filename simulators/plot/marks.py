@@ -51,8 +51,8 @@ class Emergencies(Marks):
         super().__init__(run, "EMCY", told)
 
     def mark(self, axes: "Axes", span: Span, row: int) -> None:
-        """From the top, where the line through the curves ends."""
-        axes.vlines(span.start, 0, row + 0.9, color=self.colour, lw=1)
+        """Below the line through the curves."""
+        axes.vlines(span.start, row + 0.1, row + 0.9, color=self.colour, lw=1)
 
 
 class Faults(Marks):

@@ -1,6 +1,6 @@
 """A run as it is drawn, and the same in words."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -14,6 +14,17 @@ class Span(NamedTuple):
 
     start: float
     end: float
+
+
+def joined(spans: Iterable[Span]) -> Sequence[Span]:
+    """The times that are in any of these, which come in their order."""
+    found: list[Span] = []
+    for span in spans:
+        if found and span.start <= found[-1].end:
+            found[-1] = Span(found[-1].start, max(found[-1].end, span.end))
+        else:
+            found.append(span)
+    return found
 
 
 @dataclass(frozen=True)
