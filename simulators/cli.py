@@ -97,6 +97,9 @@ def parser() -> argparse.ArgumentParser:
         command.add_argument("scenarios", nargs="+", metavar="SCENARIO", help=SCENARIO)
         if name == "play":
             command.add_argument("--plot", type=Path, metavar="FILE", help=PLOT)
+    text = "print the JSON Schema of scenarios or of bench files, for editors"
+    command = _command(commands, "schema", text, "schema", "schema")
+    command.add_argument("file", nargs="?", choices=("scenario", "bench"), default="scenario")
     _vcan(commands)
     return top
 

@@ -18,7 +18,7 @@ def play(options: argparse.Namespace) -> int:
     plot = _plot(options)
     failed = False
     for scenario in [load(name) for name in options.scenarios]:
-        verdict = replay.play(scenario, sys.stdout, [plot.begin] if plot else ())
+        verdict = replay.play(scenario, sys.stdout, observers=[plot.begin] if plot else ())
         print(verdict)
         if plot is not None:
             plot.save(scenario, verdict)

@@ -18,7 +18,7 @@ def words(track):
 def test_a_run_that_is_looked_at_is_the_same_run(path):
     scenario, left_alone, looked_at = load(path), StringIO(), StringIO()
     verdict = play(scenario, left_alone)
-    assert play(scenario, looked_at, [lambda segment, _: Observer(segment)]) == verdict
+    assert play(scenario, looked_at, observers=[lambda segment, _: Observer(segment)]) == verdict
     assert looked_at.getvalue() == left_alone.getvalue()
 
 
