@@ -36,7 +36,7 @@ class Plot:
 
     def begin(self, segment: Segment, player: Player) -> None:
         """Look at the nodes of a segment from now on; an observer of `play`."""
-        self._observers.append(Observer(segment))
+        self._observers.append(Observer(segment, player))
 
     def save(self, scenario: Scenario, verdict: Verdict) -> None:
         """Write the file.

@@ -4,6 +4,7 @@ from math import isfinite
 
 from simulators.clock import MICROSECONDS
 from simulators.plot.view import View
+from simulators.replay.player import Event, Player
 from simulators.segment import Segment
 from simulators.wire import Frame
 
@@ -17,11 +18,12 @@ class Observer:
     costs nothing.
     """
 
-    def __init__(self, segment: Segment) -> None:
+    def __init__(self, segment: Segment, player: Player) -> None:
         self.views = [View(node) for node in segment.nodes]
         self._clock = segment.clock
         self._begin = self._clock.ticks
         segment.listeners.append(self._hear)
+        player.listeners.append(self._follow)
         self._clock.at_tick(self._begin + GRAIN, self._look)
 
     @property
@@ -36,6 +38,11 @@ class Observer:
         upcoming = self._clock.next_tick
         if isfinite(upcoming):
             self._clock.at_tick(int(upcoming) + GRAIN, self._look)
+
+    def _follow(self, event: Event) -> None:
+        for view in self.views:
+            if event.kind == "inject" and event.node == view.name:
+                view.hit(event.time, event.fields)
 
     def _hear(self, frame: Frame, sender: str) -> None:
         for view in self.views:

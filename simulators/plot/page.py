@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 
 from simulators.plot.run import Run, Span
-from simulators.plot.view import MOST_EMCYS
+from simulators.plot.view import MOST_MARKS
 
 HEAD = """\
 <!DOCTYPE html>
@@ -50,7 +50,7 @@ def _emergencies(run: Run) -> Iterator[str]:
         yield _table("Emergencies", ("at [s]", "node", "message"), rows)
     for view in run.views:
         if view.untold:
-            words = f"{view.untold} more after the first {MOST_EMCYS}"
+            words = f"{view.untold} more after the first {MOST_MARKS}"
             yield f"<p>{escape(view.name)}: {words}.</p>\n"
 
 

@@ -1,9 +1,10 @@
 """Where labels go on a time axis, so that none lies upon another."""
 
 from collections.abc import Sequence
+from math import inf
 from typing import NamedTuple
 
-from simulators.plot.look import AXIS, PAD, width_of
+from simulators.plot.look import AXIS, MOST_ROWS, PAD, width_of
 
 
 class Label(NamedTuple):
@@ -29,12 +30,12 @@ def label(text: str, start: float, end: float) -> Label:
 
 
 def rows(labels: Sequence[Label]) -> list[int]:
-    """For each the first row in which there is room."""
-    taken: list[float] = []
+    """For each the first row in which there is room; `MOST_ROWS` if there is none."""
+    taken = [-inf] * MOST_ROWS
     found = []
     for each in labels:
-        free = (row for row, right in enumerate(taken) if right <= each.left)
-        row = next(free, len(taken))
-        taken[row : row + 1] = [each.right]
+        row = next((row for row, right in enumerate(taken) if right <= each.left), MOST_ROWS)
+        if row < MOST_ROWS:
+            taken[row] = each.right
         found.append(row)
     return found

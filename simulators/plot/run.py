@@ -43,6 +43,11 @@ class Run:
         return [each for each in self.verdict.outcomes if each.kind is Kind.PASS]
 
     @property
+    def skipped(self) -> Sequence[Outcome]:
+        """What was left out."""
+        return [each for each in self.verdict.outcomes if each.kind is Kind.SKIP]
+
+    @property
     def failed(self) -> Sequence[Outcome]:
         """What did not, or could not be carried out."""
         return [each for each in self.verdict.outcomes if each.kind in (Kind.FAIL, Kind.ERROR)]
@@ -61,4 +66,5 @@ class Run:
             for span, active in self.lasting(track.points)
             if active
         ]
+        found += [(name, Span(time, time)) for name, time in view.blows]
         return sorted(found, key=lambda each: each[1])

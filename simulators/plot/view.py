@@ -1,7 +1,7 @@
 """What there was to see of one node."""
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from simulators.chart import Band, Curve, Mood
 from simulators.decode import Decoder
@@ -19,7 +19,7 @@ NMT: Mapping[State, Band] = {
     State.STOPPED: Band("stopped", Mood.WARNING),
 }
 LENGTH = 8  # bytes of an emergency
-MOST_EMCYS = 500
+MOST_MARKS = 500
 
 
 class Emergency(NamedTuple):
@@ -61,9 +61,11 @@ class View:
         self.nmt: Track[Band] = Track(worst)
         self.state: Track[Band] | None = Track(worst) if chart.band else None
         self.faults: dict[str, Track[bool]] = {}
+        self.blows: list[tuple[str, float]] = []
+        """Faults that were over at once, and when."""
         self.emergencies: list[Emergency] = []
         self.untold = 0
-        """Emergencies beyond `MOST_EMCYS`."""
+        """Emergencies beyond `MOST_MARKS`."""
 
     def look(self, time: float) -> None:
         """Take down how it is at this time, in seconds."""
@@ -76,12 +78,18 @@ class View:
         self._look_at_faults(time)
 
     def _look_at_faults(self, time: float) -> None:
-        active = self._node.faults.active
-        for name in active:
-            if name not in self.faults:
-                self.faults[name] = Track(lambda points: points[-2:])
+        faults = self._node.faults
+        active = {_short(faults.words(*fault)) for fault in faults.active.items()}
+        for name in sorted(active - self.faults.keys()):
+            self.faults[name] = Track(lambda points: points[-2:])
         for name, track in self.faults.items():
             track.add(time, name in active)
+
+    def hit(self, time: float, told: Mapping[str, Any]) -> None:
+        """A `fault` with its `parameters` came at this time; what lasts is seen by looking."""
+        faults, fault = self._node.faults, told["fault"]
+        if faults.known[fault].clear is None and len(self.blows) < MOST_MARKS:
+            self.blows.append((_short(faults.words(fault, told["parameters"])), time))
 
     def hear(self, time: float, frame: Frame, sender: str) -> None:
         """Take an emergency down."""
@@ -89,8 +97,12 @@ class View:
         told = slave is not None and len(frame.data) == LENGTH and frame.can_id == emcy_id(slave)
         if sender != self.name or not told:
             return
-        if len(self.emergencies) == MOST_EMCYS:
+        if len(self.emergencies) == MOST_MARKS:
             self.untold += 1
             return
         code = int.from_bytes(frame.data[:2], "little")
         self.emergencies.append(Emergency(time, code, self._decoder.words(frame)))
+
+
+def _short(words: str) -> str:
+    return words.removesuffix("()")

@@ -48,7 +48,7 @@ def observed(story) -> Callable[[str], Observer]:
 
     def observed(steps):
         observers = []
-        play(story(steps), observers=[lambda segment, _: observers.append(Observer(segment))])
+        play(story(steps), observers=[lambda *run: observers.append(Observer(*run))])
         return observers[0]
 
     return observed

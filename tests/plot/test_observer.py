@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from simulators.plot.observer import Observer
-from simulators.plot.view import MOST_EMCYS
+from simulators.plot.view import MOST_MARKS
 from simulators.replay import load, play
 
 SCENARIOS = sorted(Path(__file__).parents[2].glob("scenarios/*.yaml"))
@@ -18,7 +18,7 @@ def words(track):
 def test_a_run_that_is_looked_at_is_the_same_run(path):
     scenario, left_alone, looked_at = load(path), StringIO(), StringIO()
     verdict = play(scenario, left_alone)
-    assert play(scenario, looked_at, observers=[lambda segment, _: Observer(segment)]) == verdict
+    assert play(scenario, looked_at, observers=[Observer]) == verdict
     assert looked_at.getvalue() == left_alone.getvalue()
 
 
@@ -56,8 +56,27 @@ def test_a_fault_is_there_from_inject_to_clear(observed):
         "- {at: 2, inject: heartbeat_stopped}\n"
         "- {at: 3, clear: error}\n"
     ).views
-    assert view.faults["error"].points == [(1, True), (3, False)]
+    assert view.faults["error(code=4096)"].points == [(1, True), (3, False)]
     assert view.faults["heartbeat_stopped"].points == [(2, True)]
+
+
+def test_a_fault_that_is_replaced_by_another_of_its_name_is_over(observed):
+    (view,) = observed(
+        "- {at: 1, inject: {error: {code: 0x1000}}}\n- {at: 2, inject: {error: {code: 0x2000}}}\n"
+    ).views
+    assert view.faults["error(code=4096)"].points == [(1, True), (2, False)]
+    assert view.faults["error(code=8192)"].points == [(2, True)]
+
+
+def test_a_fault_that_heals_by_itself_is_over_then(observed):
+    (view,) = observed("- {at: 1, inject: {error: {code: 0x1000}}, for: 0.5}\n").views
+    assert view.faults["error(code=4096)"].points == [(1, True), (1.5, False)]
+
+
+def test_a_fault_that_is_over_at_once_is_a_moment(observed):
+    (view,) = observed("- {at: 1, inject: {level: {value: 7}}}\n").views
+    assert view.blows == [("level(value=7)", 1)]
+    assert view.faults == {}
 
 
 def test_an_emergency_is_taken_down_in_words(observed):
@@ -73,10 +92,10 @@ def test_an_emergency_is_taken_down_in_words(observed):
 def test_a_storm_of_emergencies_is_counted(observed):
     steps = "".join(
         f"- {{at: {n / 100}, inject: {{error: {{code: {n + 1}}}}}}}\n"
-        for n in range(MOST_EMCYS + 20)
+        for n in range(MOST_MARKS + 20)
     )
     (view,) = observed(steps).views
-    assert len(view.emergencies) == MOST_EMCYS
+    assert len(view.emergencies) == MOST_MARKS
     assert view.untold == 20
 
 
@@ -89,5 +108,5 @@ def test_a_device_at_rest_is_not_looked_at(story):
             super()._look()
 
     steps = "- {at: 1, write: {0x2100: 7}}\n- {at: 3600, write: {0x2100: 9}}\n"
-    play(story(steps), observers=[lambda segment, _: Counting(segment)])
+    play(story(steps), observers=[Counting])
     assert len(looks) < 10

@@ -63,7 +63,7 @@ def test_every_emergency_has_a_row_with_its_time_and_words(page):
 
 
 def test_every_fault_has_a_row_from_inject_to_clear_or_to_the_end(page):
-    assert ["1.000000", "2.000000", "meter", "error"] in page.rows
+    assert ["1.000000", "2.000000", "meter", "error(code=4660)"] in page.rows
     assert ["3.000000", "the end", "meter", "heartbeat_stopped"] in page.rows
 
 

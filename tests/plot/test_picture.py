@@ -78,7 +78,15 @@ def test_a_failed_expectation_is_marked_at_its_time_with_its_line(svg):
 
 
 def test_a_fault_is_a_bar_with_its_name(svg):
-    assert "error" in svg.texts
+    assert "error(code=4660)" in svg.texts
+
+
+def test_what_was_left_out_after_an_error_is_neither_a_dot_nor_a_cross(drawn):
+    steps = "- {at: 1, write: {0x2102: 1}}\n- {at: 2, nmt: start}\n- {at: 3, nmt: stop}\n"
+    svg = Svg(drawn(steps).read_text("utf-8"))
+    assert "ERROR line 5" in svg.texts
+    assert not any(text.startswith("SKIP") for text in svg.texts)
+    assert "SKIP" in svg.texts[-1]
 
 
 def test_states_are_told_by_bars_and_legend(svg):

@@ -1,7 +1,7 @@
 from hypothesis import given
 from hypothesis.strategies import floats, lists, text, tuples
 
-from simulators.plot.look import AXIS
+from simulators.plot.look import AXIS, MOST_ROWS
 from simulators.plot.place import label, rows
 
 PLACES = floats(0, AXIS)
@@ -17,7 +17,8 @@ def labels_of(bars):
 @given(BARS)
 def test_no_label_lies_upon_another(bars):
     labels = labels_of(bars)
-    placed = list(zip(rows(labels), labels, strict=True))
+    told = zip(rows(labels), labels, strict=True)
+    placed = [(row, each) for row, each in told if row < MOST_ROWS]
     for at, (row, one) in enumerate(placed):
         for other_row, other in placed[:at]:
             assert row != other_row or other.right <= one.left or one.right <= other.left
@@ -36,3 +37,9 @@ def test_a_label_stands_in_its_bar_or_beside_it():
     assert not beside.flipped
     assert before.flipped
     assert before.at < 9
+
+
+def test_where_there_is_room_no_label_goes_without_a_row():
+    crowd = [label("mains", 1 + n / 100, 1 + n / 100) for n in range(MOST_ROWS + 1)]
+    assert rows(crowd) == list(range(MOST_ROWS + 1))
+    assert rows([*crowd, label("mains", 5, 5)])[-1] == 0
