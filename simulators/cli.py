@@ -24,6 +24,7 @@ DEVICE = "one of `canopen-twin list`"
 OBJECT = "as `objects DEVICE` names it: 0x2014=7, 0x1018:02, 'Run command=1'"
 SCENARIO = "a file, or the name of one that is shipped"
 HUB = "join a hub (default: 127.0.0.1:29536)"
+PLOT = "draw the run: .png, .svg or .html (needs the extra `plot`)"
 VERBOSE = "tell more; -vv the most"
 
 Command = Callable[[argparse.Namespace], int]
@@ -97,6 +98,7 @@ def parser() -> argparse.ArgumentParser:
         command.add_argument("scenarios", nargs="+", metavar="SCENARIO", help=SCENARIO)
         if name == "play":
             _reports(command)
+            command.add_argument("--plot", type=Path, metavar="FILE", help=PLOT)
     text = "print the JSON Schema of scenarios or of bench files, for editors"
     command = _command(commands, "schema", text, "schema", "schema")
     command.add_argument("file", nargs="?", choices=("scenario", "bench"), default="scenario")

@@ -2,12 +2,12 @@
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from math import inf
 from typing import Any, ClassVar
 
 from canopen import ObjectDictionary
 
+from simulators.chart import Chart
 from simulators.errors import UserError
 from simulators.faults import Fault
 from simulators.memory import Memory
@@ -17,17 +17,10 @@ from simulators.services import Service, State
 from simulators.services.emcy import Emcy, Farewell, when_all_are_gone
 from simulators.services.rpdo import Rpdo
 from simulators.services.tpdo import Tpdo
-from simulators.settings import changed, setting
+from simulators.settings import NodeSettings, changed
 from simulators.slave import Slave, dictionary
 
 NODE_IDS = range(1, 128)
-
-
-@dataclass(frozen=True)
-class NodeSettings:
-    """The settings that every device has."""
-
-    node_id: int = setting(1, "node id the device is delivered with, 1..127")
 
 
 class Device:
@@ -105,6 +98,11 @@ class Device:
     def report(self) -> Mapping[str, object]:
         """What a look at the model shows, in engineering units, for traces and failed tests."""
         return {}
+
+    @property
+    def chart(self) -> Chart:
+        """What is drawn in a picture of a run."""
+        return Chart()
 
     farewell: Farewell = staticmethod(when_all_are_gone)
     """What is told of an error that has gone."""

@@ -100,3 +100,10 @@ def _choice(name: str, value: object, choices: tuple[object, ...]) -> object:
     if value not in choices:
         raise UserError(f"setting {name!r} is one of {', '.join(map(str, choices))}, not {value!r}")
     return value
+
+
+@dataclass(frozen=True)
+class NodeSettings:
+    """The settings that every device has."""
+
+    node_id: int = setting(1, "node id the device is delivered with, 1..127")

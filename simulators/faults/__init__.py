@@ -97,6 +97,12 @@ class Faults:
             if name in self._of_device:
                 self.known[name].inject(**values)
 
+    def words(self, name: str, values: Mapping[str, Any]) -> str:
+        """A fault with those of its parameters that somebody has chosen."""
+        told = self.known[name].parameters
+        chosen = [f"{key}={value}" for key, value in values.items() if value != told[key].default]
+        return f"{name}({', '.join(chosen)})"
+
     def _find(self, name: str) -> Fault:
         if name not in self.known:
             raise unknown("fault", name, self.known)

@@ -1,6 +1,6 @@
 """Plays a scenario in simulated time, and writes what was on the bus."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TextIO
 
 from simulators.clock import Clock
@@ -16,6 +16,7 @@ SLICE = 1.0  # seconds between two reports of progress
 def play(
     scenario: Scenario,
     trace: TextIO | None = None,
+    observers: Iterable[Callable[[Segment, Player], None]] = (),
     progress: Callable[[float], None] = lambda now: None,
 ) -> Verdict:
     """Power on, every step, every expectation to the end of its time, and the verdict.
@@ -23,6 +24,7 @@ def play(
     Args:
         scenario: What to play; it stays as it is.
         trace: Takes every frame in the format of `candump -L`, with simulated time.
+        observers: Called with the bus and its player before anything happens.
         progress: Called with the simulated time in seconds, once a second of it or more often.
     """
     segment = Segment()
@@ -36,21 +38,16 @@ def play(
 
     segment.listeners.append(write)
     player = Player(scenario, segment, nodes)
+    for attach in observers:
+        attach(segment, player)
     player.start()
     for node in nodes.values():
         node.power_on()
     segment.deliver()
-    finish(player, segment, progress)
-    return player.verdict
-
-
-def finish(
-    player: Player, segment: Segment, progress: Callable[[float], None] = lambda now: None
-) -> None:
-    """Let time pass until a scenario that has been started is over."""
     while not player.done or segment.clock.now < player.horizon:
         segment.advance_to(_next(segment.clock, player.horizon))
         progress(segment.clock.now)
+    return player.verdict
 
 
 def _next(clock: Clock, horizon: float) -> float:

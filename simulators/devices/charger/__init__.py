@@ -8,8 +8,10 @@ from canopen import ObjectDictionary
 from canopen.objectdictionary import ODRecord, ODVariable
 
 from simulators import device
+from simulators.chart import Chart
 from simulators.devices.charger import card, messages, unit
 from simulators.devices.charger.actual_values import ActualValues
+from simulators.devices.charger.chart import chart
 from simulators.devices.charger.control import Control
 from simulators.devices.charger.faults import faults
 from simulators.devices.charger.model.charger import Charger
@@ -105,6 +107,11 @@ class Device(device.Device):
             "messages": [emcy.label for emcy in self.emergencies],
             "bit rate [kbit/s]": self.network.bit_rate // 1000,
         }
+
+    @property
+    def chart(self) -> Chart:
+        """Its outputs and the sparks, and the state of the release."""
+        return chart(self)
 
     def dictionary(self) -> ObjectDictionary:
         """The EDS of the type and variant, with the heartbeat as delivered (A-01)."""

@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from simulators.device import NodeSettings
-from simulators.settings import setting
+from simulators.settings import NodeSettings, setting
 
 UNSIGNED32 = 0xFFFF_FFFF
 

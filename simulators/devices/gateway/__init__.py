@@ -5,7 +5,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from canopen import ObjectDictionary
 
 from simulators import device
+from simulators.chart import Chart
 from simulators.devices.gateway import delivery
+from simulators.devices.gateway.chart import chart
 from simulators.devices.gateway.dcdesk import DcDesk
 from simulators.devices.gateway.emergencies import emergencies
 from simulators.devices.gateway.faults import faults
@@ -139,6 +141,11 @@ class Device(device.Device):
     def report(self) -> Mapping[str, object]:
         """Both units and the engine, as a service engineer and an operator see them."""
         return report(self.system)
+
+    @property
+    def chart(self) -> Chart:
+        """The engine, and what the governor does with it."""
+        return chart(self)
 
     def dictionary(self) -> ObjectDictionary:
         """The EDS with what the handshake has created, or will create (A-03)."""

@@ -7,7 +7,9 @@ from canopen import ObjectDictionary
 from canopen.objectdictionary import ODVariable
 
 from simulators import device
+from simulators.chart import Chart
 from simulators.devices.topcon import card, unit_types
+from simulators.devices.topcon.chart import chart
 from simulators.devices.topcon.control import Control
 from simulators.devices.topcon.faults import faults
 from simulators.devices.topcon.messages import PROTOCOL_ERROR, UNIT, CardErrors
@@ -109,6 +111,11 @@ class Device(device.Device):
             "control": "panel" if self.panel.local else "bus",
             "RS-232 of the card": "available" if self.panel.rs232_available else "closed",
         }
+
+    @property
+    def chart(self) -> Chart:
+        """Voltage, current and power, and the state of the output stage."""
+        return chart(self)
 
     def dictionary(self) -> ObjectDictionary:
         """The EDS, with the range of set values the settings say."""

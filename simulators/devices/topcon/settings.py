@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from simulators.device import NodeSettings
-from simulators.settings import setting
+from simulators.settings import NodeSettings, setting
 
 SIGNED16 = 0x7FFF
 

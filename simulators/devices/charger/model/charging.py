@@ -1,5 +1,6 @@
 """The charging stage: setpoints to output, sparks, and the pollution of its bar."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import ceil
 
@@ -68,6 +69,17 @@ class Charging:
         """Whether a calibration runs or waits for high voltage (2002h:19h)."""
         return calibrating(self.parameters)
 
+    def setpoints(self, analog: float) -> Mapping[Quantity, int]:
+        """In V and uA; `analog` is the level of the analog input in %, where it has its way."""
+        values = self.parameters
+        setpoints = {
+            Quantity.VOLTAGE: values[Parameter.VOLTAGE_SETPOINT],
+            Quantity.CURRENT: values[Parameter.CURRENT_SETPOINT],
+        }
+        if self.analog:
+            setpoints[values.governing] = values.percent_of_maximum(analog)
+        return setpoints
+
     def drive(self, now: int, ticks: int, surroundings: Surroundings, power: float) -> None:
         """Let `ticks` pass up to `now` with high voltage on, at `power` W at most."""
         load = surroundings.load(self.kind, self.parameters[Parameter.MODE])
@@ -108,13 +120,7 @@ class Charging:
         )
 
     def _demand(self, analog: float, power: float) -> Demand:
-        values = self.parameters
-        setpoints = {
-            Quantity.VOLTAGE: values[Parameter.VOLTAGE_SETPOINT],
-            Quantity.CURRENT: values[Parameter.CURRENT_SETPOINT],
-        }
-        if self.analog:
-            setpoints[values.governing] = values.percent_of_maximum(analog)
+        values, setpoints = self.parameters, self.setpoints(analog)
         return Demand(
             voltage=float(setpoints[Quantity.VOLTAGE]),
             current=setpoints[Quantity.CURRENT] * MICRO,

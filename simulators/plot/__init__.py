@@ -1,0 +1,68 @@
+"""A picture of a run: set and actual values, states, emergencies, faults, and the verdict.
+
+Drawn by matplotlib, which comes with the extra `plot` and is imported for a picture only.
+"""
+
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+
+from simulators.errors import UserError
+from simulators.plot.observer import Observer
+from simulators.plot.page import page
+from simulators.plot.run import Run
+from simulators.replay.player import Player
+from simulators.replay.scenario import Scenario
+from simulators.replay.verdict import Verdict
+from simulators.segment import Segment
+
+__all__ = ["Plot"]
+
+SUFFIXES = (".html", ".png", ".svg")
+
+
+class Plot:
+    """The picture of one run: `begin` when it begins, `save` when it is over."""
+
+    def __init__(self, path: Path) -> None:
+        """Raises `UserError` if there can be no picture, before anything has run."""
+        if path.suffix not in SUFFIXES:
+            raise UserError(f"{path} is no picture: its name ends with {', '.join(SUFFIXES)}")
+        if not path.parent.is_dir():
+            raise UserError(f"{path}: there is no directory {path.parent}")
+        self._path = path
+        self._draw = _drawing()
+        self._observers: list[Observer] = []
+
+    def begin(self, segment: Segment, player: Player) -> None:
+        """Look at the nodes of a segment from now on; an observer of `play`."""
+        self._observers.append(Observer(segment, player))
+
+    def save(self, scenario: Scenario, verdict: Verdict) -> None:
+        """Write the file.
+
+        Raises:
+            UserError: it cannot be written.
+        """
+        try:
+            self._path.write_bytes(self._content(scenario, verdict))
+        except OSError as failure:
+            raise UserError(f"{self._path} cannot be written: {failure.strerror}") from failure
+
+    def _content(self, scenario: Scenario, verdict: Verdict) -> bytes:
+        (observer,) = self._observers
+        run = Run(scenario.name, verdict, observer.views, observer.duration)
+        if self._path.suffix == ".html":
+            return page(run, self._draw(run, "svg").decode()).encode()
+        return self._draw(run, self._path.suffix[1:])
+
+
+def _drawing() -> Callable[[Run, str], bytes]:
+    try:
+        module = import_module("simulators.plot.figure")
+    except ModuleNotFoundError as missing:
+        if (missing.name or "").partition(".")[0] != "matplotlib":
+            raise
+        raise UserError("a picture needs the extra: pip install 'canopen-twins[plot]'") from missing
+    picture: Callable[[Run, str], bytes] = module.picture
+    return picture

@@ -1,0 +1,49 @@
+"""Looks at the nodes of a run after every moment at which something happened; leaves no trace."""
+
+from math import isfinite
+
+from simulators.clock import MICROSECONDS
+from simulators.plot.view import View
+from simulators.replay.player import Event, Player
+from simulators.segment import Segment
+from simulators.wire import Frame
+
+GRAIN = 1  # microsecond: a moment of the clock is over when the next one begins
+
+
+class Observer:
+    """Begins before anything has happened on the segment; there is nothing to be stopped.
+
+    Between two moments of the clock nothing changes, so nothing escapes it, and a device at rest
+    costs nothing.
+    """
+
+    def __init__(self, segment: Segment, player: Player) -> None:
+        self.views = [View(node) for node in segment.nodes]
+        self._clock = segment.clock
+        self._begin = self._clock.ticks
+        segment.listeners.append(self._hear)
+        player.listeners.append(self._follow)
+        self._clock.at_tick(self._begin + GRAIN, self._look)
+
+    @property
+    def duration(self) -> float:
+        """Seconds since the beginning."""
+        return max(self._clock.ticks - self._begin, GRAIN) / MICROSECONDS
+
+    def _look(self) -> None:
+        time = (self._clock.ticks - GRAIN - self._begin) / MICROSECONDS
+        for view in self.views:
+            view.look(time)
+        upcoming = self._clock.next_tick
+        if isfinite(upcoming):
+            self._clock.at_tick(int(upcoming) + GRAIN, self._look)
+
+    def _follow(self, event: Event) -> None:
+        for view in self.views:
+            if event.kind == "inject" and event.node == view.name:
+                view.hit(event.time, event.fields)
+
+    def _hear(self, frame: Frame, sender: str) -> None:
+        for view in self.views:
+            view.hear(self.duration, frame, sender)

@@ -1,0 +1,112 @@
+from io import StringIO
+from pathlib import Path
+
+import pytest
+
+from simulators.plot.observer import Observer
+from simulators.plot.view import MOST_MARKS
+from simulators.replay import load, play
+
+SCENARIOS = sorted(Path(__file__).parents[2].glob("scenarios/*.yaml"))
+
+
+def words(track):
+    return [(time, band.label) for time, band in track.points]
+
+
+@pytest.mark.parametrize("path", SCENARIOS, ids=lambda path: path.stem)
+def test_a_run_that_is_looked_at_is_the_same_run(path):
+    scenario, left_alone, looked_at = load(path), StringIO(), StringIO()
+    verdict = play(scenario, left_alone)
+    assert play(scenario, looked_at, observers=[Observer]) == verdict
+    assert looked_at.getvalue() == left_alone.getvalue()
+
+
+def test_set_and_actual_value_are_seen_when_they_change(observed):
+    (view,) = observed("- {at: 0.5, write: {0x2100: 7}}\n- {at: 1, write: {0x2100: 9}}\n").views
+    (strip,) = view.strips
+    assert strip.actual.points == [(0, 0), (0.5, 7), (1, 9)]
+    assert strip.wanted.points == [(0, 0), (0.5, 3.5), (1, 4.5)]
+
+
+def test_a_value_is_that_at_the_end_of_a_moment(observed):
+    (view,) = observed("- {at: 1, write: {0x2100: 7}}\n- {at: 1, write: {0x2100: 9}}\n").views
+    assert view.strips[0].actual.points == [(0, 0), (1, 9)]
+
+
+def test_the_states_of_nmt_and_of_the_device_are_seen(observed):
+    (view,) = observed(
+        "- {at: 1, nmt: start}\n- {at: 2, write: {0x2100: 200}}\n- {at: 3, nmt: stop}\n"
+    ).views
+    assert words(view.nmt) == [(0, "pre-operational"), (1, "operational"), (3, "stopped")]
+    assert words(view.state) == [(0, "low"), (2, "high")]
+
+
+def test_without_power_there_is_nothing(observed):
+    (view,) = observed("- {at: 1, power: off}\n- {at: 2, power: on}\n- {at: 3, nmt: start}\n").views
+    assert view.strips[0].actual.points == [(0, 0), (1, None), (2, 0)]
+    states = [(0, "pre-operational"), (1, "power off"), (2, "pre-operational"), (3, "operational")]
+    assert words(view.nmt) == states
+    assert words(view.state) == [(0, "low"), (1, "power off"), (2, "low")]
+
+
+def test_a_fault_is_there_from_inject_to_clear(observed):
+    (view,) = observed(
+        "- {at: 1, inject: {error: {code: 0x1000}}}\n"
+        "- {at: 2, inject: heartbeat_stopped}\n"
+        "- {at: 3, clear: error}\n"
+    ).views
+    assert view.faults["error(code=4096)"].points == [(1, True), (3, False)]
+    assert view.faults["heartbeat_stopped"].points == [(2, True)]
+
+
+def test_a_fault_that_is_replaced_by_another_of_its_name_is_over(observed):
+    (view,) = observed(
+        "- {at: 1, inject: {error: {code: 0x1000}}}\n- {at: 2, inject: {error: {code: 0x2000}}}\n"
+    ).views
+    assert view.faults["error(code=4096)"].points == [(1, True), (2, False)]
+    assert view.faults["error(code=8192)"].points == [(2, True)]
+
+
+def test_a_fault_that_heals_by_itself_is_over_then(observed):
+    (view,) = observed("- {at: 1, inject: {error: {code: 0x1000}}, for: 0.5}\n").views
+    assert view.faults["error(code=4096)"].points == [(1, True), (1.5, False)]
+
+
+def test_a_fault_that_is_over_at_once_is_a_moment(observed):
+    (view,) = observed("- {at: 1, inject: {level: {value: 7}}}\n").views
+    assert view.blows == [("level(value=7)", 1)]
+    assert view.faults == {}
+
+
+def test_an_emergency_is_taken_down_in_words(observed):
+    (view,) = observed(
+        "- {at: 1.5, inject: {error: {code: 0x1234}}}\n- {at: 2, clear: all}\n"
+    ).views
+    assert view.emergencies == [
+        (1.5, 0x1234, "EMCY 1234h register 01h"),
+        (2.0, 0x0000, "EMCY 0000h register 00h no error left"),
+    ]
+
+
+def test_a_storm_of_emergencies_is_counted(observed):
+    steps = "".join(
+        f"- {{at: {n / 100}, inject: {{error: {{code: {n + 1}}}}}}}\n"
+        for n in range(MOST_MARKS + 20)
+    )
+    (view,) = observed(steps).views
+    assert len(view.emergencies) == MOST_MARKS
+    assert view.untold == 20
+
+
+def test_a_device_at_rest_is_not_looked_at(story):
+    looks = []
+
+    class Counting(Observer):
+        def _look(self):
+            looks.append(self.duration)
+            super()._look()
+
+    steps = "- {at: 1, write: {0x2100: 7}}\n- {at: 3600, write: {0x2100: 9}}\n"
+    play(story(steps), observers=[Counting])
+    assert len(looks) < 10

@@ -1,0 +1,71 @@
+from html.parser import HTMLParser
+
+import pytest
+
+STEPS = """\
+- {at: 1, inject: {error: {code: 0x1234}}}
+- {at: 2, clear: error}
+- {at: 3, inject: heartbeat_stopped}
+- {at: 4, expect: {value: {0x2100: 7}}}
+"""
+NAME = '"<script>alert(1)</script> & co"'
+
+
+class Page(HTMLParser):
+    """What a browser makes of a page: its elements, and its rows."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.attributes, self.rows, self.text = [], [], [], {}
+        self._open = ""
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attributes += [(tag, *each) for each in attrs]
+        self._open = tag
+        if tag == "tr":
+            self.rows.append([])
+
+    def handle_data(self, data):
+        if self._open in ("td", "th") and data.strip():
+            self.rows[-1].append(data)
+        self.text[self._open] = self.text.get(self._open, "") + data
+
+
+@pytest.fixture
+def page(drawn):
+    return Page(drawn(STEPS, "html", name=NAME).read_text("utf-8"))
+
+
+def test_it_has_the_picture_and_the_verdict_in_words(page):
+    assert page.tags.count("svg") == 1
+    assert "FAIL" in page.text["pre"]
+    assert "probe" not in page.text["pre"]
+    assert "the last frames" not in page.text["pre"]
+    assert "meter: node 5, PRE-OPERATIONAL" in page.text["pre"]
+
+
+def test_it_needs_no_script_no_file_and_no_network(page):
+    assert not {"script", "link", "img", "iframe", "object"} & set(page.tags)
+    assert {name for _, name, _ in page.attributes} & {"src", "onload", "onclick"} == set()
+    links = [value for _, name, value in page.attributes if name.endswith("href")]
+    assert all(link.startswith("#") for link in links)
+
+
+def test_names_are_escaped(page):
+    assert page.text["h1"].startswith("<script>alert(1)</script> & co")
+
+
+def test_every_emergency_has_a_row_with_its_time_and_words(page):
+    assert ["1.000000", "meter", "EMCY 1234h register 01h"] in page.rows
+    assert ["2.000000", "meter", "EMCY 0000h register 00h no error left"] in page.rows
+
+
+def test_every_fault_has_a_row_from_inject_to_clear_or_to_the_end(page):
+    assert ["1.000000", "2.000000", "meter", "error(code=4660)"] in page.rows
+    assert ["3.000000", "the end", "meter", "heartbeat_stopped"] in page.rows
+
+
+def test_where_nothing_went_wrong_there_are_no_tables(drawn):
+    assert "table" not in Page(drawn("- {at: 1, nmt: start}\n", "html").read_text("utf-8")).tags
