@@ -94,6 +94,9 @@ def parser() -> argparse.ArgumentParser:
     ):
         command = _command(commands, name, text, "scenarios", name)
         command.add_argument("scenarios", nargs="+", metavar="SCENARIO", help=SCENARIO)
+        if name == "play":
+            _kept(command)
+    _records(commands)
     _vcan(commands)
     return top
 
@@ -129,6 +132,25 @@ def _catalogue(commands: Commands) -> None:
     command.add_argument("--json", action="store_true", help="for programs")
 
 
+def _kept(command: Parser) -> None:
+    command.add_argument(
+        "--trace", type=Path, metavar="FILE", help="write the frames to .log, .asc, .blf or .trc"
+    )
+    command.add_argument(
+        "--record", type=Path, metavar="DIR", help="make a record for `replay` and `diff`"
+    )
+
+
+def _records(commands: Commands) -> None:
+    text = "live through a record again: its frames in candump format, 1 if they are others now"
+    command = _command(commands, "replay", text, "replay", "replay")
+    command.add_argument("record", type=Path, metavar="DIR", help="of --record")
+    text = "explain the first difference of two records or trace files, 1 if there is one"
+    command = _command(commands, "diff", text, "diff", "diff")
+    for name in ("a", "b"):
+        command.add_argument(name, type=Path, metavar=name.upper(), help="a record, or a trace")
+
+
 def _run(commands: Commands) -> None:
     text = "run twins on a CAN bus in real time, until they are stopped or a scenario is over"
     command = _command(commands, "run", text, "run", "run")
@@ -143,6 +165,7 @@ def _run(commands: Commands) -> None:
     command.add_argument(
         "--real-bus", action="store_true", help="the bus may have real devices on it"
     )
+    _kept(command)
     command.late = _bus_arguments
 
 

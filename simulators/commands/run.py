@@ -7,6 +7,7 @@ from contextlib import nullcontext
 from simulators import replay
 from simulators.commands.bus import Place, place
 from simulators.commands.cast import cast
+from simulators.commands.kept import kept
 from simulators.commands.lock import held
 from simulators.commands.scenarios import load
 from simulators.commands.signals import OK, Wishes, signals
@@ -28,20 +29,24 @@ def run(options: argparse.Namespace) -> int:
 def _run(options: argparse.Namespace, wishes: Wishes) -> int:
     segment = Segment()
     scenario = load(options.scenario) if options.scenario else None
-    nodes = {name: segment.node(device, name) for name, device in cast(options, scenario).items()}
+    devices = cast(options, scenario)
+    nodes = {name: segment.node(device, name) for name, device in devices.items()}
     bus = place(options)
     player = replay.Player(scenario, segment, nodes) if scenario else None
-    if player is not None:
-        player.start()
-    for node in nodes.values():
-        node.power_on()
     ready = {"ready": options.device, **_who(options, segment), **bus.told}
-    serve(
-        segment,
-        _opening(bus, segment),
-        lambda: bool(wishes) or (player is not None and player.done),
-        lambda: print(json.dumps(ready), flush=True),
-    )
+    with kept(options, "run", scenario, devices) as observers:
+        for attach in observers:
+            attach(segment, player)
+        if player is not None:
+            player.start()
+        for node in nodes.values():
+            node.power_on()
+        serve(
+            segment,
+            _opening(bus, segment),
+            lambda: bool(wishes) or (player is not None and player.done),
+            lambda: print(json.dumps(ready), flush=True),
+        )
     if player is not None and player.done:
         print(player.verdict)
         return OK if player.verdict.ok else FAILED

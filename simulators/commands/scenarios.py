@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from simulators import replay
+from simulators.commands.kept import kept
 from simulators.errors import UserError, unknown
 from simulators.resources import scenario_file, scenarios
 
@@ -15,8 +16,12 @@ FAILED, WRONG_INPUT = 1, 2
 def play(options: argparse.Namespace) -> int:
     """Play every scenario, the trace first and then the verdict; 1 if one has failed."""
     failed = False
+    if len(options.scenarios) > 1 and (options.trace or options.record):
+        raise UserError("one run at a time can be kept: --trace and --record want one scenario")
     for scenario in [load(name) for name in options.scenarios]:
-        verdict = replay.play(scenario, sys.stdout)
+        cast = {name: spec.create() for name, spec in scenario.nodes.items()}
+        with kept(options, "play", scenario, cast) as observers:
+            verdict = replay.play(scenario, sys.stdout, observers)
         print(verdict)
         failed = failed or not verdict.ok
     return FAILED if failed else 0

@@ -1,5 +1,6 @@
 """Plays a scenario in simulated time, and writes what was on the bus."""
 
+from collections.abc import Callable, Iterable
 from typing import TextIO
 
 from simulators.clock import MICROSECONDS
@@ -11,12 +12,17 @@ from simulators.segment import Record, Segment
 from simulators.wire import Frame
 
 
-def play(scenario: Scenario, trace: TextIO | None = None) -> Verdict:
+def play(
+    scenario: Scenario,
+    trace: TextIO | None = None,
+    observers: Iterable[Callable[[Segment, Player], None]] = (),
+) -> Verdict:
     """Power on, every step until the last expectation is over, and the verdict.
 
     Args:
         scenario: What to play; it stays as it is.
         trace: Takes every frame in the format of `candump -L`, with simulated time.
+        observers: Called with the bus and its player before anything happens.
     """
     segment = Segment()
     nodes = {name: segment.node(spec.create(), name) for name, spec in scenario.nodes.items()}
@@ -27,6 +33,8 @@ def play(scenario: Scenario, trace: TextIO | None = None) -> Verdict:
 
     segment.listeners.append(write)
     player = Player(scenario, segment, nodes)
+    for attach in observers:
+        attach(segment, player)
     player.start()
     for node in nodes.values():
         node.power_on()
