@@ -17,7 +17,7 @@ from simulators.errors import UserError
 from simulators.memory import Memory
 from simulators.replay import Scenario
 
-FORMAT = 1
+FORMAT = 1  # of the whole record
 PACKAGES = ("canopen-twins", "canopen", "python-can")
 LARGEST_FILE = 1 << 23  # bytes; a memory is at most 1 MiB
 
@@ -54,7 +54,7 @@ class Part(Model):
 class About(Model):
     """All that has to be known to live through a run again, beside its scenario and its events."""
 
-    format: Literal[1] = FORMAT
+    format: Literal[1] = 1
     kind: Literal["play", "run"]
     """In simulated time, or beside a master in real time."""
     scenario: str | None

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import TextIO
 
 from simulators.decode import Decoder
-from simulators.node import Node
 from simulators.record.about import About
 from simulators.record.events import END, HEARD, Happening, write_event
 from simulators.record.part import folder_part
@@ -14,7 +13,6 @@ from simulators.record.trace import Observer, print_frames
 from simulators.replay import Player
 from simulators.replay.patterns import EmcyLike
 from simulators.segment import Segment
-from simulators.services import State
 from simulators.wire import Frame
 
 RUN, SCENARIO, TRACE, EVENTS = "run.json", "scenario.yaml", "trace.log", "events.jsonl"
@@ -33,9 +31,15 @@ def record(folder: Path, told: About, scenario: bytes | None) -> Iterator[Observ
         if scenario is not None:
             (part / SCENARIO).write_bytes(scenario)
         with _lines(part / TRACE) as trace, _lines(part / EVENTS) as events:
-            recorder = Recorder(print_frames(trace), events)
-            yield recorder.attach
-            recorder.end()
+            journals: list[Journal] = []
+
+            def attach(segment: Segment, player: Player | None) -> None:
+                print_frames(trace)(segment, player)
+                journals.append(Journal(events, segment))
+
+            yield attach
+            for journal in journals:
+                journal.end()
 
 
 def _lines(path: Path) -> TextIO:
@@ -43,21 +47,14 @@ def _lines(path: Path) -> TextIO:
     return path.open("w", buffering=1, encoding="utf-8", newline="\n")
 
 
-class Recorder:
-    """Writes down what is on a bus, and what happens beside; it never acts on either."""
+class Journal:
+    """Writes down what happens on a segment beside the frames; it never acts on it."""
 
-    def __init__(self, trace: Observer, events: TextIO) -> None:
-        self._trace = trace
-        self._events = events
-        self._segment = Segment()
-        self._nodes: dict[str, Node] = {}
-        self._states: dict[str, State] = {}
-
-    def attach(self, segment: Segment, player: Player | None) -> None:
-        """Listen from now on: before a power comes."""
-        self._trace(segment, player)
-        self._segment = segment
+    def __init__(self, file: TextIO, segment: Segment) -> None:
+        self._file = file
+        self._clock = segment.clock
         self._nodes = {node.wire.name: node for node in segment.nodes}
+        self._states = {name: node.state for name, node in self._nodes.items()}
         self._decoder = Decoder(segment.nodes)
         segment.listeners.append(self._hear)
 
@@ -68,13 +65,16 @@ class Recorder:
     def _hear(self, frame: Frame, sender: str) -> None:
         if not sender:
             self._note(HEARD, frame=str(frame))
-        for name, node in self._nodes.items():
-            if node.state is not self._states.get(name, State.INITIALISING):
-                self._states[name] = node.state
-                self._note("state", name, state=node.state.lower())
-        node = self._nodes.get(sender)
-        if node is not None and EMCY.fits(frame, node):
+        self._look()
+        if sender in self._nodes and EMCY.fits(frame, self._nodes[sender]):
             self._note("emcy", sender, frame=str(frame), words=self._decoder.words(frame))
 
+    def _look(self) -> None:
+        """A node enters an NMT state with a frame: its boot-up, or a command."""
+        for name, node in self._nodes.items():
+            if node.state is not self._states[name]:
+                self._states[name] = node.state
+                self._note("state", name, state=node.state.lower())
+
     def _note(self, kind: str, node: str = "", **fields: object) -> None:
-        write_event(self._events, Happening(self._segment.clock.now, kind, node, fields))
+        write_event(self._file, Happening(self._clock.now, kind, node, fields))
