@@ -7,7 +7,7 @@ from simulators.record.difference import compare
 from simulators.record.recorded import Recorded
 from simulators.record.side import Side
 
-LONGEST = 60  # characters of a value
+LONGEST = 120  # characters of a value
 
 
 def besides(left: Side, right: Side) -> Iterator[str]:

@@ -23,7 +23,9 @@ class Happening(NamedTuple):
     fields: Mapping[str, Any]
 
     def __str__(self) -> str:
-        told = ", ".join(f"{key} {_word(value)}" for key, value in self.fields.items())
+        told = self.fields.get("words") or self.fields.get(self.kind)
+        if told is None:
+            told = ", ".join(f"{key} {_word(value)}" for key, value in self.fields.items())
         return f"{self.time:12.6f}  {self.node or '-':10}  {self.kind} {told}".rstrip()
 
 

@@ -1,14 +1,15 @@
 """A record as it is read: everything is looked at before anything is played."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from simulators import replay
+from simulators import devices, replay
 from simulators.errors import UserError
 from simulators.record.about import About, digest, read_about, versions
 from simulators.record.events import END, HEARD, Happening, read_events
 from simulators.record.recorder import EVENTS, RUN, SCENARIO, TRACE
+from simulators.replay.scenario import NodeSpec
 from simulators.wire import Frame
 
 
@@ -77,4 +78,13 @@ class Recorded:
                 raise UserError(f"{name} is not what it was when {self.folder} was recorded")
         if self.about.scenario is None:
             return None
-        return replace(replay.load(self.scenario), file=Path(self.about.scenario))
+        scenario = replay.load(self.scenario)
+        return replace(scenario, file=Path(self.about.scenario), nodes=self._nodes)
+
+    @property
+    def _nodes(self) -> Mapping[str, NodeSpec]:
+        """With every setting they had, so that no default of today matters."""
+        return {
+            part.name: NodeSpec(devices.find(part.device), part.settings)
+            for part in self.about.nodes
+        }

@@ -98,9 +98,10 @@ def trace_file(path: Path) -> Iterator[Observer]:
     Raises:
         UserError: a suffix that stands for no format, or a file that cannot be written.
     """
-    if path.suffix not in WRITERS:
+    suffix = path.suffix.lower()
+    if suffix not in WRITERS:
         raise UserError(f"{path} is no trace file: its name ends in {', '.join(WRITERS)}")
-    with file_part(path) as part, WRITERS[path.suffix](part, path) as writer:
+    with file_part(path) as part, WRITERS[suffix](part, path) as writer:
 
         def attach(segment: Segment, player: Player | None) -> None:
             names = {node.wire.name for node in segment.nodes}

@@ -68,8 +68,14 @@ def _change(one: Sent, other: Sent, left: str, right: str) -> str:
     if one.frame.can_id != other.frame.can_id or len(one.frame.data) != len(other.frame.data):
         return f"another frame{later}"
     pairs = enumerate(zip(one.frame.data, other.frame.data, strict=True))
-    bytes_ = [f"byte {place} {a:02X} / {b:02X}" for place, (a, b) in pairs if a != b]
-    return f"other data{later}: {', '.join(bytes_) or 'a remote frame'}"
+    others = [
+        f"byte {place} is {a:02X} in {left}, {b:02X} in {right}"
+        for place, (a, b) in pairs
+        if a != b
+    ]
+    return (
+        f"other data{later}: {', '.join(others)}" if others else f"a frame of another kind{later}"
+    )
 
 
 def _events(found: Difference[Happening], left: Side, right: Side) -> Iterator[str]:

@@ -15,7 +15,7 @@ version: 1
 name: A heartbeat, an error, a command
 node: {device: topcon, node_id: 5, settings: {load: resistor 4}}
 steps:
-  - {at: 0.1, write: {Producer heartbeat: 100}}
+  - {at: 0.1, write: {Producer Heartbeat Time: 100}}
   - {at: 0.2, inject: {error: {number: 0x23}}}
   - {at: 0.2, expect: {emcy: {code: 0x2300}, within: 0.05}}
   - {at: 0.4, nmt: start}
