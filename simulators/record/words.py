@@ -34,7 +34,7 @@ def differences(left: Side, right: Side) -> tuple[bool, str]:
 
 
 def _frames(found: Difference[Sent], left: Side, right: Side) -> Iterator[str]:
-    yield f"the first {_count(found.common, 'frame')} are the same:" if found.common else "at once:"
+    yield _same(found.common)
     for sent in found.before:
         yield _line("", left.tell(sent))
     for side, sents in ((left, found.left), (right, found.right)):
@@ -44,6 +44,12 @@ def _frames(found: Difference[Sent], left: Side, right: Side) -> Iterator[str]:
     for side, sents in ((left, found.left), (right, found.right)):
         events = side.happened(sents[0].tick if sents else None)
         yield from _block(f"what happened in {side.name}:", map(str, events))
+
+
+def _same(common: int) -> str:
+    if not common:
+        return "not even the first frame is the same:"
+    return f"the first {_count(common, 'frame')} {'is' if common == 1 else 'are'} the same:"
 
 
 def _what(found: Difference[Sent], left: str, right: str) -> str:

@@ -49,7 +49,8 @@ def test_the_first_difference_is_told_with_what_was_before_and_beside(said, reco
         "            0.000000  705#00                 boot-up",
         "            0.100000  605#2B17100064000000   SDO write 0x1017:00 Producer Heartbeat Time"
         " = 100",
-        "            0.100000  585#6017100000000000   SDO written 0x1017:00 Producer Heartbeat Time",
+        "            0.100000  585#6017100000000000   SDO written 0x1017:00 Producer Heartbeat"
+        " Time",
         "A           0.200000  085#0023032300000000   EMCY 2300h register 03h",
         "B           0.200000  085#0023032400000000   EMCY 2300h register 03h",
         "other data: byte 3 is 23 in A, 24 in B",
@@ -68,6 +69,8 @@ def test_the_first_difference_is_told_with_what_was_before_and_beside(said, reco
 
 FRAMES = [(0.1, "705#05"), (0.2, "185#0102"), (0.3, "285#03"), (0.4, "385#04")]
 CHANGES = [
+    ([(0.1, "705#04"), *FRAMES[1:]], "not even the first frame is the same:"),
+    ([(0.1, "705#04"), *FRAMES[1:]], "other data: byte 0 is 05 in A, 04 in B"),
     (FRAMES[1:], "A has 1 frame more, then the other goes on like it"),
     ([(0.05, "080#"), *FRAMES], "B has 1 frame more, then the other goes on like it"),
     (FRAMES[:2], "B ends here, A goes on"),
