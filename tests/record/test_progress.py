@@ -14,8 +14,8 @@ class Terminal(StringIO):
 def test_a_line_is_written_each_half_second_and_cleared_at_the_end():
     seen, wall = Terminal(), [0.0]
     line = Line(seen, 1200, lambda: wall[0])
-    for _ in range(12):
-        wall[0] += 0.1
+    for _ in range(5):
+        wall[0] += 0.25
         line.tell(wall[0] * 100)
     line.clear()
     told = [part.strip() for part in seen.getvalue().split("\r") if part]
