@@ -3,11 +3,13 @@
 import argparse
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
+from errno import EDQUOT, EFBIG, ENOSPC
 from pathlib import Path
 from typing import Literal
 
 from simulators import replay
 from simulators.device import Device
+from simulators.errors import UserError
 from simulators.record import Observer, about, record, trace_file
 from simulators.resources import scenario_file, scenarios
 
@@ -25,7 +27,7 @@ def kept(
         UserError: there is something already, or it cannot be written.
     """
     observers: list[Observer] = []
-    with ExitStack() as stack:
+    with _told(), ExitStack() as stack:
         if options.trace is not None:
             observers.append(stack.enter_context(trace_file(options.trace)))
         if options.record is not None:
@@ -33,6 +35,17 @@ def kept(
             told = about(kind, scenario, cast)
             observers.append(stack.enter_context(record(options.record, told, text)))
         yield observers
+
+
+@contextmanager
+def _told() -> Iterator[None]:
+    """A disk that is full is no bug."""
+    try:
+        yield
+    except OSError as failure:
+        if failure.errno not in (ENOSPC, EDQUOT, EFBIG):
+            raise
+        raise UserError(f"what is kept cannot be written: {failure.strerror}") from failure
 
 
 def _content(file: Path) -> bytes:

@@ -3,6 +3,7 @@
 import argparse
 import logging
 import sys
+from filecmp import cmp
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -24,7 +25,7 @@ def replay(options: argparse.Namespace) -> int:
         with record(anew, recorded.about, scenario) as observer:
             again(recorded, [observer, print_frames(sys.stdout)])
         same, told = differences(Side.of("record", options.record), Side.of("replay", anew))
-        if same and recorded.trace.read_bytes() != Recorded(anew).trace.read_bytes():
+        if same and not cmp(recorded.trace, Recorded(anew).trace, shallow=False):
             same, told = False, f"{told}, but {recorded.trace} has been written otherwise"
     print(told, file=sys.stderr)
     return OK if same else DIFFERENT
