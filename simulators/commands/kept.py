@@ -1,17 +1,21 @@
 """What is kept of a run: a trace file and a record, as the command line wants them."""
 
+from __future__ import annotations
+
 import argparse
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from errno import EDQUOT, EFBIG, ENOSPC
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from simulators import replay
 from simulators.device import Device
 from simulators.errors import UserError
-from simulators.record import Observer, about, record, trace_file
 from simulators.resources import scenario_file, scenarios
+
+if TYPE_CHECKING:
+    from simulators.record import Observer
 
 
 @contextmanager
@@ -27,6 +31,11 @@ def kept(
         UserError: there is something already, or it cannot be written.
     """
     observers: list[Observer] = []
+    if options.trace is None and options.record is None:
+        yield observers
+        return
+    from simulators.record import about, record, trace_file  # noqa: PLC0415 - for others too slow
+
     with _told(), ExitStack() as stack:
         if options.trace is not None:
             observers.append(stack.enter_context(trace_file(options.trace)))

@@ -1,8 +1,12 @@
 """Twins on a CAN bus in real time."""
 
+from __future__ import annotations
+
 import argparse
 import json
+from collections.abc import Iterable
 from contextlib import nullcontext
+from typing import TYPE_CHECKING
 
 from simulators import replay
 from simulators.commands.bus import Place, place
@@ -15,6 +19,9 @@ from simulators.line import OpenBus
 from simulators.lookout import looking
 from simulators.segment import Segment
 from simulators.serve import serve
+
+if TYPE_CHECKING:
+    from simulators.record import Observer
 
 FAILED = 1
 LOOK, LONG_LOOK = 0.3, 1.5  # seconds; on a real bus a heartbeat of a second should be heard
@@ -35,12 +42,7 @@ def _run(options: argparse.Namespace, wishes: Wishes) -> int:
     player = replay.Player(scenario, segment, nodes) if scenario else None
     ready = {"ready": options.device, **_who(options, segment), **bus.told}
     with kept(options, "run", scenario, devices) as observers:
-        for attach in observers:
-            attach(segment, player)
-        if player is not None:
-            player.start()
-        for node in nodes.values():
-            node.power_on()
+        _begin(segment, player, observers)
         serve(
             segment,
             _opening(bus, segment),
@@ -51,6 +53,15 @@ def _run(options: argparse.Namespace, wishes: Wishes) -> int:
         print(player.verdict)
         return OK if player.verdict.ok else FAILED
     return wishes.code
+
+
+def _begin(segment: Segment, player: replay.Player | None, observers: Iterable[Observer]) -> None:
+    for attach in observers:
+        attach(segment, player)
+    if player is not None:
+        player.start()
+    for node in segment.nodes:
+        node.power_on()
 
 
 def _opening(bus: Place, segment: Segment) -> OpenBus:
