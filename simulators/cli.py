@@ -96,6 +96,9 @@ def parser() -> argparse.ArgumentParser:
         command.add_argument("scenarios", nargs="+", metavar="SCENARIO", help=SCENARIO)
         if name == "play":
             _kept(command)
+    text = "print the JSON Schema of scenarios or of bench files, for editors"
+    command = _command(commands, "schema", text, "schema", "schema")
+    command.add_argument("file", nargs="?", choices=("scenario", "bench"), default="scenario")
     _records(commands)
     _vcan(commands)
     return top

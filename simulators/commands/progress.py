@@ -6,48 +6,61 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TextIO
 
+from simulators.replay import Player
+from simulators.segment import Segment
+
 PERIOD = 0.5  # seconds of real time from one line to the next
 WIDTH = 60
 
-Tell = Callable[[float], None]
-"""Takes the simulated time in seconds, as often as one likes."""
+
+class Progress:
+    """Says nothing."""
+
+    def attach(self, segment: Segment, player: Player) -> None:
+        """A run begins."""
+
+    def tell(self, now: float) -> None:
+        """So many seconds of it are over; called as often as one likes."""
 
 
 @contextmanager
-def progress(total: float) -> Iterator[Tell]:
-    """Tells on stderr how much of `total` seconds is over; 0 if nobody knows how long it takes.
+def progress() -> Iterator[Progress]:
+    """Tells on stderr how far a run has come, if that is a terminal and stdout is none.
 
-    The line is there only if people see it alone: stderr is a terminal and stdout is not.
+    Where frames run over the same screen they say it themselves.
     """
     if not sys.stderr.isatty() or sys.stdout.isatty():
-        yield lambda now: None
+        yield Progress()
         return
-    line = Line(sys.stderr, total)
+    line = Line(sys.stderr)
     try:
-        yield line.tell
+        yield line
     finally:
         line.clear()
 
 
-class Line:
-    """One line that is written again and again."""
+class Line(Progress):
+    """One line that is written again and again; `wall` gives seconds of real time."""
 
-    def __init__(
-        self, stream: TextIO, total: float, wall: Callable[[], float] = time.monotonic
-    ) -> None:
+    def __init__(self, stream: TextIO, wall: Callable[[], float] = time.monotonic) -> None:
         self._stream = stream
-        self._of = f" of {total:.0f}" if total else ""
         self._wall = wall
         self._due = wall() + PERIOD
         self._written = False
+        self._player: Player | None = None
+
+    def attach(self, segment: Segment, player: Player) -> None:
+        """It knows how long the run will be, as far as anybody does."""
+        self._player = player
 
     def tell(self, now: float) -> None:
         """Write it anew, if it is time to."""
-        if self._wall() < self._due:
+        if self._player is None or self._wall() < self._due:
             return
         self._due = self._wall() + PERIOD
         self._written = True
-        self._write(f"{now:.0f}{self._of} s simulated")
+        total = max(now, self._player.horizon, self._player.scenario.duration)
+        self._write(f"{now:.0f} of {total:.0f} s simulated")
 
     def clear(self) -> None:
         """Leave nothing of it."""

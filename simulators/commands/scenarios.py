@@ -7,6 +7,7 @@ from pathlib import Path
 
 from simulators import replay
 from simulators.commands.kept import kept
+from simulators.commands.progress import progress
 from simulators.errors import UserError, unknown
 from simulators.resources import scenario_file, scenarios
 
@@ -20,8 +21,8 @@ def play(options: argparse.Namespace) -> int:
         raise UserError("one run at a time can be kept: --trace and --record want one scenario")
     for scenario in [load(name) for name in options.scenarios]:
         cast = {name: spec.create() for name, spec in scenario.nodes.items()}
-        with kept(options, "play", scenario, cast) as observers:
-            verdict = replay.play(scenario, sys.stdout, observers)
+        with kept(options, "play", scenario, cast) as observers, progress() as line:
+            verdict = replay.play(scenario, sys.stdout, [*observers, line.attach], line.tell)
         print(verdict)
         failed = failed or not verdict.ok
     return FAILED if failed else 0

@@ -84,7 +84,7 @@ def about(
     return About(
         kind=kind,
         scenario=None if scenario is None else str(scenario.file),
-        seed=None if scenario is None else getattr(scenario, "seed", 1),
+        seed=None if scenario is None else scenario.seed,
         nodes=parts,
         files={name: digest(Path(name)) for name in sorted(_files(parts))},
         versions=versions(),

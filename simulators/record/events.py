@@ -9,7 +9,18 @@ from simulators.errors import UserError
 
 LONGEST_LINE = 1 << 20  # characters
 FOREVER = 1e9  # seconds; no run is longer
-HEARD, END = "heard", "end"
+HEARD, STATE, END = "heard", "state", "end"
+
+PHRASES = {
+    HEARD: "heard {frame}",
+    STATE: "{state}",
+    END: "the run is over",
+    "emcy": "{words}",
+    "step": "step of line {line}: {what}",
+    "inject": "fault {fault} injected: {parameters}",
+    "clear": "fault {fault} cleared",
+    "outcome": "{verdict} of line {line}: {what}: {seen}",
+}
 
 
 class Happening(NamedTuple):
@@ -23,10 +34,11 @@ class Happening(NamedTuple):
     fields: Mapping[str, Any]
 
     def __str__(self) -> str:
-        told = self.fields.get("words") or self.fields.get(self.kind)
-        if told is None:
-            told = ", ".join(f"{key} {_word(value)}" for key, value in self.fields.items())
-        return f"{self.time:12.6f}  {self.node or '-':10}  {self.kind} {told}".rstrip()
+        try:
+            told = PHRASES[self.kind].format(**self.fields)
+        except KeyError:  # a record of tomorrow, or of somebody else
+            told = f"{self.kind} {json.dumps(self.fields)}"
+        return f"{self.time:12.6f}  {self.node or '-':10}  {told}"
 
 
 def write_event(file: TextIO, happening: Happening) -> None:
@@ -60,7 +72,3 @@ def _happening(where: str, line: str) -> Happening:
         return Happening(time, kind, node, fields)
     except (ValueError, TypeError, AttributeError, KeyError, RecursionError):
         raise UserError(f"{where} is damaged: it is no event") from None
-
-
-def _word(value: object) -> str:
-    return value if isinstance(value, str) else json.dumps(value)

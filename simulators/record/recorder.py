@@ -2,17 +2,20 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TextIO
 
 from simulators.decode import Decoder
 from simulators.record.about import About
-from simulators.record.events import END, HEARD, Happening, write_event
+from simulators.record.events import END, HEARD, STATE, Happening, write_event
 from simulators.record.part import folder_part
 from simulators.record.trace import Observer, print_frames
 from simulators.replay import Player
-from simulators.replay.patterns import EmcyLike
+from simulators.replay.player import Event
+from simulators.replay.signs import EmcyLike
 from simulators.segment import Segment
+from simulators.services import State
 from simulators.wire import Frame
 
 RUN, SCENARIO, TRACE, EVENTS = "run.json", "scenario.yaml", "trace.log", "events.jsonl"
@@ -35,7 +38,10 @@ def record(folder: Path, told: About, scenario: bytes | None) -> Iterator[Observ
 
             def attach(segment: Segment, player: Player | None) -> None:
                 print_frames(trace)(segment, player)
-                journals.append(Journal(events, segment))
+                journal = Journal(events, segment)
+                journals.append(journal)
+                if player is not None:
+                    player.listeners.append(journal.hear_player)
 
             yield attach
             for journal in journals:
@@ -54,9 +60,15 @@ class Journal:
         self._file = file
         self._clock = segment.clock
         self._nodes = {node.wire.name: node for node in segment.nodes}
-        self._states = {name: node.state for name, node in self._nodes.items()}
         self._decoder = Decoder(segment.nodes)
         segment.listeners.append(self._hear)
+        for name, node in self._nodes.items():
+            node.listeners.append(partial(self._hear_state, name))
+
+    def hear_player(self, event: Event) -> None:
+        """What the scenario does; of states the nodes tell themselves."""
+        if event.kind != STATE:
+            self._note(event.kind, event.node, **event.fields)
 
     def end(self) -> None:
         """The run is over."""
@@ -65,16 +77,11 @@ class Journal:
     def _hear(self, frame: Frame, sender: str) -> None:
         if not sender:
             self._note(HEARD, frame=str(frame))
-        self._look()
         if sender in self._nodes and EMCY.fits(frame, self._nodes[sender]):
             self._note("emcy", sender, frame=str(frame), words=self._decoder.words(frame))
 
-    def _look(self) -> None:
-        """A node enters an NMT state with a frame: its boot-up, or a command."""
-        for name, node in self._nodes.items():
-            if node.state is not self._states[name]:
-                self._states[name] = node.state
-                self._note("state", name, state=node.state.lower())
+    def _hear_state(self, name: str, state: State) -> None:
+        self._note(STATE, name, state=state.lower())
 
     def _note(self, kind: str, node: str = "", **fields: object) -> None:
         write_event(self._file, Happening(self._clock.now, kind, node, fields))

@@ -3,7 +3,17 @@ from io import StringIO
 
 import pytest
 
-from simulators.commands.progress import Line, progress
+from simulators import replay
+from simulators.cli import main
+from simulators.commands.progress import Line
+
+LONG = """\
+version: 1
+node: {device: topcon, node_id: 5}
+duration: 20
+steps:
+  - {at: 0.1, write: {Producer Heartbeat Time: 1000}}
+"""
 
 
 class Terminal(StringIO):
@@ -11,42 +21,49 @@ class Terminal(StringIO):
         return True
 
 
-def test_a_line_is_written_each_half_second_and_cleared_at_the_end():
-    seen, wall = Terminal(), [0.0]
-    line = Line(seen, 1200, lambda: wall[0])
-    for _ in range(5):
-        wall[0] += 0.25
-        line.tell(wall[0] * 100)
-    line.clear()
-    told = [part.strip() for part in seen.getvalue().split("\r") if part]
-    assert told == ["50 of 1200 s simulated", "100 of 1200 s simulated", ""]
+def told(stream):
+    """What could be read one after the other where it was written."""
+    return [part.strip() for part in stream.getvalue().split("\r") if part]
+
+
+@pytest.fixture
+def line():
+    """A line for a run of 20 s, each second of which takes `pace` seconds of real time."""
+
+    def run(story, pace):
+        seen, wall = Terminal(), [0.0]
+        line = Line(seen, lambda: wall[0])
+
+        def tell(now):
+            wall[0] = now * pace
+            line.tell(now)
+
+        replay.play(replay.load(story(LONG)), observers=[line.attach], progress=tell)
+        line.clear()
+        return seen
+
+    return run
+
+
+def test_a_line_is_written_each_half_second_and_cleared_at_the_end(line, story):
+    seen = line(story, 0.1)
+    assert told(seen) == [f"{now} of 20 s simulated" for now in (5, 10, 15)] + [""]
     assert "\n" not in seen.getvalue()
 
 
-def test_a_run_of_unknown_length_tells_what_is_over():
-    seen, wall = Terminal(), [0.0]
-    line = Line(seen, 0, lambda: wall[0])
-    wall[0] = 1.0
-    line.tell(12.3)
-    assert seen.getvalue().strip() == "12 s simulated"
-
-
-def test_a_short_run_writes_nothing():
-    seen = Terminal()
-    line = Line(seen, 1200, lambda: 0.0)
-    line.tell(1200)
-    line.clear()
-    assert seen.getvalue() == ""
+def test_a_short_run_writes_nothing(line, story):
+    assert line(story, 0.001).getvalue() == ""
 
 
 @pytest.mark.parametrize(
-    ("out", "err", "lines"),
-    [(StringIO, Terminal, 2), (Terminal, Terminal, 0), (StringIO, StringIO, 0)],
+    ("out", "err", "shown"),
+    [(StringIO, Terminal, True), (Terminal, Terminal, False), (StringIO, StringIO, False)],
 )
-def test_only_a_terminal_that_shows_nothing_else_has_the_line(monkeypatch, out, err, lines):
+def test_only_a_terminal_that_shows_nothing_else_has_the_line(monkeypatch, story, out, err, shown):
     monkeypatch.setattr("simulators.commands.progress.PERIOD", 0.0)
     monkeypatch.setattr(sys, "stdout", out())
     monkeypatch.setattr(sys, "stderr", err())
-    with progress(10) as tell:
-        tell(3)
-    assert sys.stderr.getvalue().count("\r") == 2 * lines
+    monkeypatch.setattr(sys.stdout, "fileno", lambda: 1, raising=False)
+    assert main(["play", str(story(LONG))]) == 0
+    assert bool(sys.stderr.getvalue()) == shown
+    assert told(sys.stderr)[-1:] == [""] * shown

@@ -71,7 +71,7 @@ def test_an_event_that_is_another_one_is_explained(said, recorded):
     code, _, err = said("replay", folder)
     assert code == 1
     assert "but event " in err
-    assert "record      0.400000  topcon      state stopped" in err
+    assert "record      0.400000  topcon      stopped" in err
 
 
 def test_other_versions_are_told_before(said, recorded, caplog):
@@ -170,3 +170,11 @@ def test_a_run_that_was_cut_short_can_be_lived_through_as_far(said, recorded):
     code, _, err = said("replay", folder)
     assert code == 1
     assert "record       no more events" in err
+
+
+def test_an_event_of_a_kind_of_tomorrow_is_told_as_it_is(said, recorded):
+    folder = recorded()
+    edit(folder / "events.jsonl", '"kind": "state"', '"kind": "mood"')
+    code, _, err = said("replay", folder)
+    assert code == 1
+    assert 'record      0.000000  topcon      mood {"state": "pre-operational"}' in err
