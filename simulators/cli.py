@@ -90,18 +90,14 @@ def parser() -> argparse.ArgumentParser:
     _catalogue(commands)
     _run(commands)
     _hub(commands)
-    for name, text in (
-        ("play", "play scenarios in simulated time: a trace in candump format, then the verdict"),
-        ("check", "say what is wrong with scenarios, without playing them"),
-    ):
-        command = _command(commands, name, text, "scenarios", name)
-        command.add_argument("scenarios", nargs="+", metavar="SCENARIO", help=SCENARIO)
-        if name == "play":
-            _reports(command)
-            command.add_argument("--plot", type=Path, metavar="FILE", help=PLOT)
+    _play(commands)
+    text = "say what is wrong with scenarios, without playing them"
+    command = _command(commands, "check", text, "scenarios", "check")
+    command.add_argument("scenarios", nargs="+", metavar="SCENARIO", help=SCENARIO)
     text = "print the JSON Schema of scenarios or of bench files, for editors"
     command = _command(commands, "schema", text, "schema", "schema")
     command.add_argument("file", nargs="?", choices=("scenario", "bench"), default="scenario")
+    _records(commands)
     _vcan(commands)
     return top
 
@@ -141,6 +137,34 @@ def _catalogue(commands: Commands) -> None:
     command.add_argument("--json", action="store_true", help="for programs")
 
 
+def _kept(command: Parser) -> None:
+    command.add_argument(
+        "--trace", type=Path, metavar="FILE", help="write the frames to .log, .asc, .blf or .trc"
+    )
+    command.add_argument(
+        "--record", type=Path, metavar="DIR", help="make a record for `replay` and `diff`"
+    )
+
+
+def _records(commands: Commands) -> None:
+    text = "live through a record again: its frames in candump format, 1 if they are others now"
+    command = _command(commands, "replay", text, "replay", "replay")
+    command.add_argument("record", type=Path, metavar="DIR", help="of --record")
+    text = "explain the first difference of two records or trace files, 1 if there is one"
+    command = _command(commands, "diff", text, "diff", "diff")
+    for name in ("a", "b"):
+        command.add_argument(name, type=Path, metavar=name.upper(), help="a record, or a trace")
+
+
+def _play(commands: Commands) -> None:
+    text = "play scenarios in simulated time: a trace in candump format, then the verdict"
+    command = _command(commands, "play", text, "play", "play")
+    command.add_argument("scenarios", nargs="+", metavar="SCENARIO", help=SCENARIO)
+    _reports(command)
+    command.add_argument("--plot", type=Path, metavar="FILE", help=PLOT)
+    _kept(command)
+
+
 def _run(commands: Commands) -> None:
     text = "run twins on a CAN bus in real time, until they are stopped or a scenario is over"
     command = _command(commands, "run", text, "run", "run")
@@ -156,6 +180,7 @@ def _run(commands: Commands) -> None:
         "--real-bus", action="store_true", help="the bus may have real devices on it"
     )
     _reports(command)
+    _kept(command)
     command.late = _bus_arguments
 
 

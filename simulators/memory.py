@@ -27,6 +27,11 @@ class Memory:
         """Whether it takes nothing any more, as after too many cycles."""
         self._sections: dict[str, dict[str, Any]] = _read(path) if path else {}
 
+    @property
+    def content(self) -> Mapping[str, Mapping[str, Any]]:
+        """Everything that is stored, by section."""
+        return self._sections
+
     def load(self, section: str) -> Mapping[str, Any]:
         """What was last stored under this name; empty if nothing was."""
         return dict(self._sections.get(section, {}))

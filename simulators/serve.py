@@ -66,3 +66,4 @@ def drive(
         advance_to(reached)
         if frame is not None:
             send(frame)
+    advance_to(clock.now)  # what the last frame has set off at once

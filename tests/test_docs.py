@@ -42,8 +42,9 @@ class Reader:
     def type(self, code):
         for line in code.splitlines():
             if line.startswith("$ "):
-                program, *arguments = shlex.split(line[2:])
-                assert self.programs[program](arguments) == 0, line
+                command, _, code = line[2:].partition("  # exits with ")
+                program, *arguments = shlex.split(command)
+                assert self.programs[program](arguments) == int(code or 0), line
 
     def pytest(self, arguments):
         return self.pytester.runpytest_subprocess("-p", "no:cacheprovider", *arguments).ret

@@ -1,13 +1,18 @@
 """Twins on a CAN bus in real time."""
 
+from __future__ import annotations
+
 import argparse
 import json
-from contextlib import nullcontext
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, nullcontext
+from typing import TYPE_CHECKING
 
 from simulators import replay
 from simulators.commands.announce import Announcer
 from simulators.commands.bus import Place, place
-from simulators.commands.cast import cast
+from simulators.commands.cast import cast, title
+from simulators.commands.kept import kept
 from simulators.commands.lock import held
 from simulators.commands.scenarios import load
 from simulators.commands.signals import OK, Wishes, signals
@@ -16,6 +21,9 @@ from simulators.line import OpenBus
 from simulators.lookout import looking
 from simulators.segment import Segment
 from simulators.serve import serve
+
+if TYPE_CHECKING:
+    from simulators.record import Observer
 
 FAILED = 1
 LOOK, LONG_LOOK = 0.3, 1.5  # seconds; on a real bus a heartbeat of a second should be heard
@@ -30,22 +38,44 @@ def run(options: argparse.Namespace) -> int:
 def _run(options: argparse.Namespace, wishes: Wishes) -> int:
     if (options.json or options.junit) and not options.scenario:
         raise UserError("--json and --junit tell of a verdict: say which with --scenario")
-    segment, announcer = Segment(), Announcer(options)
+    announcer = Announcer(options)
+    segment = Segment()
     scenario = load(options.scenario) if options.scenario else None
-    nodes = {name: segment.node(device, name) for name, device in cast(options, scenario).items()}
-    bus = place(options)
+    devices = cast(options, scenario)
+    nodes = {name: segment.node(device, name) for name, device in devices.items()}
     player = replay.Player(scenario, segment, nodes) if scenario else None
+    bus = place(options)
+    name = title(options, scenario)
+    ready = {"ready": name, **_who(name, segment), **bus.told}
+    with kept(options, "run", scenario, devices) as observers, _powered(segment, player, observers):
+        serve(
+            segment,
+            _opening(bus, segment),
+            lambda: bool(wishes) or (player is not None and player.done),
+            lambda: print(json.dumps(ready), flush=True),
+        )
+        return _told(player, announcer, wishes)
+
+
+@contextmanager
+def _powered(
+    segment: Segment, player: replay.Player | None, observers: Iterable[Observer]
+) -> Iterator[None]:
+    """With the supply on, which is off in the end: what a device keeps is kept."""
+    for attach in observers:
+        attach(segment, player)
     if player is not None:
         player.start()
-    for node in nodes.values():
+    for node in segment.nodes:
         node.power_on()
-    ready = {"ready": options.device, **_who(options, segment), **bus.told}
-    serve(
-        segment,
-        _opening(bus, segment),
-        lambda: bool(wishes) or (player is not None and player.done),
-        lambda: print(json.dumps(ready), flush=True),
-    )
+    try:
+        yield
+    finally:
+        for node in segment.nodes:
+            node.power_off()
+
+
+def _told(player: replay.Player | None, announcer: Announcer, wishes: Wishes) -> int:
     if player is not None and (player.done or announcer.wanted):
         announcer.tell(player.verdict)
         announcer.end()
@@ -62,7 +92,7 @@ def _opening(bus: Place, segment: Segment) -> OpenBus:
     return looking(bus.open, node_ids, LOOK if bus.virtual else LONG_LOOK)
 
 
-def _who(options: argparse.Namespace, segment: Segment) -> dict[str, object]:
-    """One node id, or those of all nodes of a bench file."""
+def _who(name: str, segment: Segment) -> dict[str, object]:
+    """One node id, or those of all nodes of a file."""
     ids = {node.wire.name: node.node_id for node in segment.nodes}
-    return {"node_id": ids[options.device]} if options.device in ids else {"nodes": ids}
+    return {"node_id": ids[name]} if name in ids else {"nodes": ids}

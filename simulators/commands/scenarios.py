@@ -1,4 +1,4 @@
-"""Scenarios: play them, or say what is wrong with them."""
+"""Scenarios: find them, and say what is wrong with them."""
 
 import argparse
 import sys
@@ -6,39 +6,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from simulators import replay
-from simulators.commands.announce import Announcer
 from simulators.errors import UserError, unknown
-from simulators.plot import Plot
 from simulators.resources import scenario_file, scenarios
 
-FAILED, WRONG_INPUT = 1, 2
-
-
-def play(options: argparse.Namespace) -> int:
-    """Play every scenario, the trace first and then the verdict; 1 if one has failed."""
-    announcer, plot = Announcer(options), _plot(options)
-    failed = False
-    for scenario in [load(name) for name in options.scenarios]:
-        verdict = replay.play(scenario, announcer.trace, [plot.begin] if plot else ())
-        announcer.tell(verdict)
-        if plot is not None:
-            plot.save(scenario, verdict)
-        failed = failed or not verdict.ok
-    announcer.end()
-    return FAILED if failed else 0
-
-
-def _plot(options: argparse.Namespace) -> Plot | None:
-    """The picture that is wanted.
-
-    Raises:
-        UserError: of several runs, or one that cannot be made.
-    """
-    if options.plot is None:
-        return None
-    if len(options.scenarios) > 1:
-        raise UserError("--plot makes a picture of one run: name one scenario")
-    return Plot(options.plot)
+WRONG_INPUT = 2
 
 
 def check(options: argparse.Namespace) -> int:

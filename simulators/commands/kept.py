@@ -1,0 +1,65 @@
+"""What is kept of a run: a trace file and a record, as the command line wants them."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from errno import EDQUOT, EFBIG, ENOSPC
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from simulators import replay
+from simulators.device import Device
+from simulators.errors import UserError
+from simulators.resources import scenario_file, scenarios
+
+if TYPE_CHECKING:
+    from simulators.record import Observer
+
+
+@contextmanager
+def kept(
+    options: argparse.Namespace,
+    kind: Literal["play", "run"],
+    scenario: replay.Scenario | None,
+    cast: Mapping[str, Device],
+) -> Iterator[list[Observer]]:
+    """Who has to be told of a run; when this is over their files are complete.
+
+    Raises:
+        UserError: there is something already, or it cannot be written.
+    """
+    observers: list[Observer] = []
+    if options.trace is None and options.record is None:
+        yield observers
+        return
+    from simulators.record import about, record, trace_file  # noqa: PLC0415 - for others too slow
+
+    with _told(), ExitStack() as stack:
+        if options.trace is not None:
+            observers.append(stack.enter_context(trace_file(options.trace)))
+        if options.record is not None:
+            text = None if scenario is None else _content(scenario.file)
+            told = about(kind, scenario, cast)
+            observers.append(stack.enter_context(record(options.record, told, text)))
+        yield observers
+
+
+@contextmanager
+def _told() -> Iterator[None]:
+    """A disk that is full is no bug."""
+    try:
+        yield
+    except OSError as failure:
+        if failure.errno not in (ENOSPC, EDQUOT, EFBIG):
+            raise
+        raise UserError(f"what is kept cannot be written: {failure.strerror}") from failure
+
+
+def _content(file: Path) -> bytes:
+    """Of a scenario, found as `play` finds it."""
+    if file.name == str(file) and file.name in scenarios() and not file.exists():
+        with scenario_file(file.name) as path:
+            return path.read_bytes()
+    return file.read_bytes()

@@ -1,0 +1,34 @@
+"""Lives through a recorded run again, in simulated time."""
+
+from collections.abc import Iterable
+
+from simulators.record.recorded import Recorded
+from simulators.record.trace import Observer
+from simulators.replay import Player, play
+from simulators.segment import Segment
+
+
+def again(recorded: Recorded, observers: Iterable[Observer]) -> None:
+    """The same devices and scenario, and what the record has heard from outside at its times.
+
+    Raises:
+        UserError: the record is damaged, or there is no such device any more.
+    """
+    scenario = recorded.load_scenario()
+    if scenario is not None and recorded.about.kind == "play":
+        play(scenario, observers=observers)
+        return
+    segment, heard = Segment(), recorded.heard
+    nodes = {part.name: segment.node(part.create(), part.name) for part in recorded.about.nodes}
+    player = Player(scenario, segment, nodes) if scenario else None
+    for attach in observers:
+        attach(segment, player)
+    if player is not None:
+        player.start()
+    for node in nodes.values():
+        node.power_on()
+    segment.deliver()
+    for time, frame in heard:
+        segment.advance_to(time)
+        segment.send(frame)
+    segment.advance_to(recorded.end)

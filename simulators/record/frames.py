@@ -1,0 +1,63 @@
+"""The frames of a record or of a trace file, one after the other."""
+
+import gzip
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import can
+from can.io.generic import BinaryIOMessageReader, TextIOMessageReader
+from can.io.player import MESSAGE_READERS
+
+from simulators.clock import microseconds
+from simulators.errors import UserError
+from simulators.wire import Frame
+
+PACKED = ".gz"
+
+
+class Sent(NamedTuple):
+    """A frame and its moment."""
+
+    tick: int
+    """Microseconds."""
+    frame: Frame
+
+
+READERS = {
+    suffix: kind
+    for suffix, kind in MESSAGE_READERS.items()
+    if issubclass(kind, (TextIOMessageReader, BinaryIOMessageReader))
+}
+
+
+def read_frames(path: Path) -> Iterator[Sent]:
+    """What a trace file of a format of python-can holds, packed or not, without error frames.
+
+    Raises:
+        UserError: it is no trace file, or it cannot be read; only when the frames are taken.
+    """
+    suffixes = [suffix.lower() for suffix in path.suffixes if suffix != PACKED]
+    if not suffixes or suffixes[-1] not in READERS:
+        raise UserError(f"{path} is no trace file: its name ends in {', '.join(READERS)}")
+    if not path.is_file():
+        raise UserError(f"{path} is not there")
+    reader = READERS[suffixes[-1]]
+    mode = "rt" if issubclass(reader, TextIOMessageReader) else "rb"
+    try:
+        with _opened(path, mode) as file:
+            messages = reader(file)
+            yield from (_sent(each) for each in messages if not each.is_error_frame)
+    except Exception as damage:  # whatever a reader of python-can stumbles over
+        reason = str(damage) or type(damage).__name__
+        raise UserError(f"{path} cannot be read as {suffixes[-1]}: {reason}") from damage
+
+
+def _opened(path: Path, mode: str) -> Any:
+    return gzip.open(path, mode) if path.suffix == PACKED else path.open(mode)
+
+
+def _sent(message: can.Message) -> Sent:
+    remote, extended = message.is_remote_frame, message.is_extended_id
+    frame = Frame(message.arbitration_id, bytes(message.data), remote, extended)
+    return Sent(microseconds(message.timestamp), frame)

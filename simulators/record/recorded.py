@@ -1,0 +1,90 @@
+"""A record as it is read: everything is looked at before anything is played."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from simulators import devices, replay
+from simulators.errors import UserError
+from simulators.record.about import About, digest, read_about, versions
+from simulators.record.events import END, HEARD, Happening, read_events
+from simulators.record.recorder import EVENTS, RUN, SCENARIO, TRACE
+from simulators.replay.scenario import NodeSpec
+from simulators.wire import Frame
+
+
+class Recorded:
+    """The folder of a record.
+
+    Raises:
+        UserError: something of it is missing, or run.json is damaged.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        if not folder.is_dir():
+            raise UserError(f"{folder} is no record: a record is a directory")
+        self.folder = folder
+        self.about: About = read_about(folder / RUN)
+        self.trace, self._events = folder / TRACE, folder / EVENTS
+        for path in (self.trace, self._events, *([self.scenario] if self.about.scenario else [])):
+            if not path.is_file():
+                raise UserError(f"{path} is missing")
+
+    @property
+    def scenario(self) -> Path:
+        """The file that was played, as it was then."""
+        return self.folder / SCENARIO
+
+    @property
+    def events(self) -> Iterator[Happening]:
+        """What happened beside the frames; raises `UserError` where that is damaged."""
+        return read_events(self._events)
+
+    @property
+    def heard(self) -> Iterator[tuple[float, Frame]]:
+        """The frames that came from outside, each with its time; raises as `events` does."""
+        for event in self.events:
+            if event.kind == HEARD:
+                yield event.time, Frame.parse(str(event.fields.get("frame")))
+
+    @property
+    def end(self) -> float:
+        """When the run was over, in seconds; of one that was cut short the last event is left."""
+        time = 0.0
+        for event in self.events:
+            time = event.time
+            if event.kind == END:
+                break
+        return time
+
+    @property
+    def other_versions(self) -> str:
+        """What it was made with and is not the same now, in words; empty if everything is."""
+        then, now = self.about.versions, versions()
+        return ", ".join(
+            f"{name} {then.get(name, 'unknown')} (now {now[name]})"
+            for name in now
+            if then.get(name) != now[name]
+        )
+
+    def load_scenario(self) -> replay.Scenario | None:
+        """The scenario, called as it was when it was recorded.
+
+        Raises:
+            UserError: it cannot be played any more, or a file that its settings name is another.
+        """
+        for name, then in self.about.files.items():
+            if not Path(name).is_file() or digest(Path(name)) != then:
+                raise UserError(f"{name} is not what it was when {self.folder} was recorded")
+        if self.about.scenario is None:
+            return None
+        scenario = replay.load(self.scenario)
+        return replace(scenario, file=Path(self.about.scenario), nodes=self._nodes)
+
+    @property
+    def _nodes(self) -> Mapping[str, NodeSpec]:
+        """With every setting they had, so that no default of today matters."""
+        return {
+            part.name: NodeSpec(devices.find(part.device), part.settings)
+            for part in self.about.nodes
+        }

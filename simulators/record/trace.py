@@ -1,0 +1,139 @@
+"""Trace files: what was on a bus, in the format of python-can that belongs to their suffix."""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TextIO
+
+import can
+from can.io.generic import MessageWriter
+
+from simulators.errors import UserError
+from simulators.record.part import file_part
+from simulators.replay import Player
+from simulators.segment import Record, Segment
+from simulators.wire import Frame
+
+CHANNEL = "can0"
+
+Observer = Callable[[Segment, Player | None], None]
+"""Called before a run begins, with the bus and who plays the scenario on it, if there is one."""
+
+
+def candump_log(part: Path, path: Path) -> MessageWriter:
+    """Lines of `candump -L`, with T or R at their end."""
+    return can.CanutilsLogWriter(part, channel=CHANNEL)
+
+
+def asc(part: Path, path: Path) -> MessageWriter:
+    """Vector's text format; python-can would begin it with the date of today."""
+    writer = can.ASCWriter(part)
+    writer.file.seek(0)
+    writer.file.truncate()
+    writer.file.write(
+        "date Thu Jan 01 00:00:00.000 1970\n"
+        "base hex  timestamps absolute\n"
+        "internal events logged\n"
+        "Begin Triggerblock Thu Jan 01 00:00:00.000 1970\n"
+        " 0.000000 Start of measurement\n"
+    )
+    writer.header_written = True
+    return writer
+
+
+def blf(part: Path, path: Path) -> MessageWriter:
+    """Vector's binary format; python-can would count time from the first frame on."""
+    writer = can.BLFWriter(part)
+    writer.start_timestamp = 0.0
+    return writer
+
+
+def trc(part: Path, path: Path) -> MessageWriter:
+    """PEAK's text format, version 2.1."""
+    return Trc(part, path)
+
+
+class Trc(can.TRCWriter):
+    """Also writes remote frames, which python-can leaves out although it reads them."""
+
+    def __init__(self, part: Path, path: Path) -> None:
+        super().__init__(part)
+        self.filepath = str(path.name)  # stands in the file
+        self.first_timestamp = 0.0
+        self.write_header(0.0)
+
+    def on_message_received(self, msg: can.Message) -> None:
+        """Take one frame."""
+        if not msg.is_remote_frame:
+            super().on_message_received(msg)
+            return
+        width = 7 if msg.is_extended_id else 4
+        told = self.FORMAT_MESSAGE.replace(" DT ", " RR ").format(
+            msgnr=self.msgnr,
+            time=msg.timestamp * 1000,
+            channel=self.channel,
+            id=f"{msg.arbitration_id:0{width}X}",
+            dir="Rx" if msg.is_rx else "Tx",
+            dlc=msg.dlc,
+            data="",
+        )
+        self.msgnr += 1
+        self.log_event(told, msg.timestamp)
+
+
+WRITERS: Mapping[str, Callable[[Path, Path], MessageWriter]] = {
+    ".log": candump_log,
+    ".asc": asc,
+    ".blf": blf,
+    ".trc": trc,
+}
+
+
+@contextmanager
+def trace_file(path: Path) -> Iterator[Observer]:
+    """Writes every frame of a bus to a file, with the seconds of the bus as its time.
+
+    What twins send goes out (Tx), everything else comes in (Rx).
+
+    Raises:
+        UserError: a suffix that stands for no format, or a file that cannot be written.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in WRITERS:
+        raise UserError(f"{path} is no trace file: its name ends in {', '.join(WRITERS)}")
+    with file_part(path) as part, WRITERS[suffix](part, path) as writer:
+
+        def attach(segment: Segment, player: Player | None) -> None:
+            names = {node.wire.name for node in segment.nodes}
+
+            def hear(frame: Frame, sender: str) -> None:
+                writer.on_message_received(message(frame, segment.clock.now, sender not in names))
+
+            segment.listeners.append(hear)
+
+        yield attach
+
+
+def print_frames(file: TextIO) -> Observer:
+    """Writes every frame to a text file as `candump -L` does."""
+
+    def attach(segment: Segment, player: Player | None) -> None:
+        def hear(frame: Frame, sender: str) -> None:
+            file.write(f"{Record(segment.clock.now, frame, sender)}\n")
+
+        segment.listeners.append(hear)
+
+    return attach
+
+
+def message(frame: Frame, time: float, heard: bool) -> can.Message:
+    """A frame as python-can has it."""
+    return can.Message(
+        timestamp=time,
+        arbitration_id=frame.can_id,
+        is_extended_id=frame.extended,
+        is_remote_frame=frame.remote,
+        is_rx=heard,
+        channel=CHANNEL,
+        data=frame.data,
+    )

@@ -1,0 +1,54 @@
+from itertools import count
+
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from simulators import devices
+from simulators.clock import MICROSECONDS
+from simulators.record import Recorded, Side, about, again, differences, record
+from simulators.segment import Segment
+from simulators.wire import Frame
+
+FRAMES = [
+    "000#0105",
+    "000#8205",
+    "000#8105",
+    "080#",
+    "185#R",
+    "205#0100D00700000000",
+    "605#2B17100001000000",
+    "605#2F00180201000000",
+    "605#2310100173617665",
+    "605#4018100400000000",
+    "705#R",
+    "605#",
+    "18FEF105#",
+]
+DELAYS = st.one_of(st.just(0), st.integers(1, 2000), st.integers(0, 500_000))
+RUNS = st.lists(st.tuples(DELAYS, st.sampled_from(FRAMES)), max_size=15)
+number = count()
+
+
+@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.sampled_from(devices.names()), RUNS, DELAYS)
+def test_whatever_comes_from_outside_and_when_the_replay_is_the_same(tmp_path, name, run, rest):
+    folder = tmp_path / str(next(number))
+    device = devices.create(name, node_id=5)
+    told = about("run", None, {name: device})
+    with record(folder, told, None) as observer:
+        segment = Segment()
+        node = segment.node(device, name)
+        observer(segment, None)
+        node.power_on()
+        segment.deliver()
+        for delay, text in run:
+            segment.advance(delay / MICROSECONDS)
+            segment.send(Frame.parse(text))
+            segment.advance(0)
+        segment.advance(rest / MICROSECONDS)
+    anew = folder.with_suffix(".anew")
+    with record(anew, told, None) as observer:
+        again(Recorded(folder), [observer])
+    same, words = differences(Side.of("record", folder), Side.of("replay", anew))
+    assert same, words
+    assert (folder / "trace.log").read_bytes() == (anew / "trace.log").read_bytes()
