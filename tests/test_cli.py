@@ -208,6 +208,69 @@ def test_a_run_takes_the_settings_of_its_scenario_unless_told_otherwise(told):
     assert told(STORY, "--set", "serial=78")[0] == 1
 
 
+PAIR = """\
+version: 1
+nodes:
+  left: {device: topcon, node_id: 5, settings: {serial: 77}}
+  right: {device: charger, node_id: 6}
+steps:
+  - at: 0
+    node: left
+    expect: {value: {0x1018:04: 77}}
+  - at: 0.05
+    node: right
+    expect: {value: {0x1000: {min: 0}}}
+"""
+
+
+@pytest.fixture
+def run(tmp_path):
+    """Run the scenario of a text with no more than it says, and with options."""
+
+    def run(story, *options):
+        (tmp_path / "story.yaml").write_text(story)
+        bus = ["-i", "virtual", "-c", str(tmp_path)]
+        return main(["run", *bus, "--scenario", f"{tmp_path}/story.yaml", *options])
+
+    return run
+
+
+def test_a_scenario_says_by_itself_who_is_run(run, tmp_path, capsys):
+    assert run(STORY) == 0
+    ready, *_ = capsys.readouterr().out.splitlines()
+    assert json.loads(ready)["ready"] == "topcon"
+    assert run(STORY, "--set", "serial=78") == 1
+
+
+def test_all_nodes_of_a_scenario_are_run(run, tmp_path, capsys):
+    assert run(PAIR) == 0
+    ready, *_ = capsys.readouterr().out.splitlines()
+    assert json.loads(ready)["nodes"] == {"left": 5, "right": 6}
+    assert json.loads(ready)["ready"] == f"{tmp_path}/story.yaml"
+
+
+@pytest.mark.parametrize(
+    ("options", "wrong"),
+    [
+        (["left"], "is about left, right: leave left out, and all of them are run"),
+        (["topcon"], "is about left, right, not about topcon"),
+        (["-n", "7"], "says all about its nodes: leave --node-id out"),
+        (["--nvram", "memory"], "says all about its nodes: leave --nvram out"),
+    ],
+)
+def test_what_does_not_go_with_a_scenario_of_several_is_told(
+    run, options, wrong, capsys, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    assert run(PAIR, *options) == 2
+    assert wrong in capsys.readouterr().err
+
+
+def test_who_says_nothing_runs_nothing(capsys):
+    assert main(["run", "-i", "virtual"]) == 2
+    assert "nothing to run: say which device, or --scenario" in capsys.readouterr().err
+
+
 def test_what_a_device_stores_is_there_in_the_next_run(told, tmp_path):
     memory = str(tmp_path / "memory")
     assert told(STORED, "--nvram", memory)[0] == 1
