@@ -93,6 +93,7 @@ WRONG = [
     (["run", "topcon", "--set", "load"], "--set load: write it as KEY=VALUE"),
     (["run", "topcon", "--set", "serial=x"], "setting 'serial' wants a whole number, not 'x'"),
     (["play", "nothing.yaml"], "unknown scenario 'nothing.yaml'"),
+    (["run", "-i", "virtual"], "nothing to run: say which device, or --scenario with a file"),
     (["run", "topcon", "--nvram", "/nowhere/memory"], "/nowhere/memory cannot be kept there"),
     (
         ["run", "topcon", "-i", "slcan", "-c", "/nowhere", "--real-bus"],
@@ -114,7 +115,7 @@ def test_wrong_input_is_told_in_one_line_and_exit_code_2(said, arguments, told):
     assert err.count("\n") == 1
 
 
-@pytest.mark.parametrize("arguments", [[], ["fly"], ["run"], ["run", "topcon", "-n", "five"]])
+@pytest.mark.parametrize("arguments", [[], ["fly"], ["eds"], ["run", "topcon", "-n", "five"]])
 def test_what_is_no_command_is_refused_with_its_usage(said, arguments):
     code, out, err = said(*arguments)
     assert (code, out) == (2, "")
@@ -264,11 +265,6 @@ def test_what_does_not_go_with_a_scenario_of_several_is_told(
     monkeypatch.chdir(tmp_path)
     assert run(PAIR, *options) == 2
     assert wrong in capsys.readouterr().err
-
-
-def test_who_says_nothing_runs_nothing(capsys):
-    assert main(["run", "-i", "virtual"]) == 2
-    assert "nothing to run: say which device, or --scenario" in capsys.readouterr().err
 
 
 def test_what_a_device_stores_is_there_in_the_next_run(told, tmp_path):
