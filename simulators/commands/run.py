@@ -47,27 +47,30 @@ def _run(options: argparse.Namespace, wishes: Wishes) -> int:
     bus = place(options)
     name = title(options, scenario)
     ready = {"ready": name, **_who(name, segment), **bus.told}
-    with kept(options, "run", scenario, devices) as observers, _powered(segment, player, observers):
-        serve(
-            segment,
-            _opening(bus, segment),
-            lambda: bool(wishes) or (player is not None and player.done),
-            lambda: print(json.dumps(ready), flush=True),
-        )
+    with _off_in_the_end(segment):
+        with kept(options, "run", scenario, devices) as observers:
+            _begin(segment, player, observers)
+            serve(
+                segment,
+                _opening(bus, segment),
+                lambda: bool(wishes) or (player is not None and player.done),
+                lambda: print(json.dumps(ready), flush=True),
+            )
         return _told(player, announcer, wishes)
 
 
-@contextmanager
-def _powered(
-    segment: Segment, player: replay.Player | None, observers: Iterable[Observer]
-) -> Iterator[None]:
-    """With the supply on, which is off in the end: what a device keeps is kept."""
+def _begin(segment: Segment, player: replay.Player | None, observers: Iterable[Observer]) -> None:
     for attach in observers:
         attach(segment, player)
     if player is not None:
         player.start()
     for node in segment.nodes:
         node.power_on()
+
+
+@contextmanager
+def _off_in_the_end(segment: Segment) -> Iterator[None]:
+    """Whatever comes, the devices keep what they keep when their supply goes."""
     try:
         yield
     finally:
