@@ -44,10 +44,17 @@ def play(
     for node in nodes.values():
         node.power_on()
     segment.deliver()
+    finish(player, segment, progress)
+    return player.verdict
+
+
+def finish(
+    player: Player, segment: Segment, progress: Callable[[float], None] = lambda now: None
+) -> None:
+    """Let time pass until a scenario that has been started is over."""
     while not player.done or segment.clock.now < player.horizon:
         segment.advance_to(_next(segment.clock, player.horizon))
         progress(segment.clock.now)
-    return player.verdict
 
 
 def _next(clock: Clock, horizon: float) -> float:
