@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import cached_property
 from math import isfinite
 from pathlib import Path
 from typing import NamedTuple
@@ -103,7 +104,7 @@ class Item:
             raise self.wrong("a list is wanted here, each value after a dash")
         return [Item(node, self.problems) for node in self.node.value]
 
-    @property
+    @cached_property
     def pairs(self) -> Mapping[str, Pair]:
         """Keys as they stand in the file, with their values."""
         if not isinstance(self.node, yaml.MappingNode):
@@ -116,13 +117,6 @@ class Item:
                 if first is not pair:
                     again = f"{pair.key.text!r} stands here twice, first in line {first.key.line}"
                     raise pair.key.wrong(f"{again}; leave one of them out")
-        return pairs
-
-    @property
-    def some_pairs(self) -> Mapping[str, Pair]:
-        """The same, where nothing at all would say nothing."""
-        if not (pairs := self.pairs):
-            raise self.wrong("empty; at least one key with a value is wanted here")
         return pairs
 
     def fields(self, required: Collection[str], optional: Iterable[str] = ()) -> dict[str, "Item"]:
@@ -141,20 +135,6 @@ class Item:
             if key not in known:
                 self.problems.add(pair.key.mark, str(unknown("key", key, known)))
         return {key: pair.value for key, pair in pairs.items() if key in known}
-
-    def choice(self, what: str, fields: Collection[str], kinds: Iterable[str]) -> str:
-        """The one key of several kinds that is among known fields.
-
-        Raises:
-            UserError: there is none, or more than one.
-        """
-        chosen = [kind for kind in kinds if kind in fields]
-        if len(chosen) == 1:
-            return chosen[0]
-        if not chosen and len(fields) < len(self.pairs):
-            raise Noted  # as an unknown key, which may have been meant
-        told = f"{' and '.join(chosen)} at once" if chosen else f"nothing to {what}"
-        raise self.wrong(f"{told}: a step has one of {', '.join(kinds)}")
 
     def one_of(self, what: str, known: Collection[str]) -> str:
         """One word out of several."""
