@@ -90,7 +90,12 @@ class Course:
                 self._give_up(turn, UNDECIDED)
         self._end()
 
-    # what turns and windows tell of themselves
+    # what turns and windows ask and tell
+
+    @property
+    def stopped(self) -> bool:
+        """Whether nothing is carried out any more."""
+        return self.over or (self._strict and bool(self._errors))
 
     def begins(self, turn: Turn, since: Position) -> None:
         """The next one may watch from this position on."""
@@ -129,20 +134,16 @@ class Course:
         self._errors.append(step)
 
     def _prepare(self, turn: Turn, since: Position) -> None:
-        if isinstance(turn.step.moment, Condition) and not self._stopped:
+        if isinstance(turn.step.moment, Condition) and not self.stopped:
             turn.watch(turn.step.moment, since)
 
     def _follow(self, turn: Turn, since: Position) -> None:
-        if isinstance(turn.step.moment, After) and not self._stopped:
+        if isinstance(turn.step.moment, After) and not self.stopped:
             self._schedule(turn, self._clock.ticks + microseconds(turn.step.moment.seconds), since)
 
     def _schedule(self, turn: Turn, tick: int, since: Position = WHOLE_MOMENT) -> None:
         self._busy.add(turn)
         turn.schedule(tick, since)
-
-    @property
-    def _stopped(self) -> bool:
-        return self.over or (self._strict and bool(self._errors))
 
     # the end
 
