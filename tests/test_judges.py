@@ -21,3 +21,10 @@ def test_a_judge_finds_out_a_master_that_does_nothing(judge):
     assert len(steps) < len(judge.steps)
     kinds = {outcome.kind for outcome in play(replace(judge, steps=steps)).outcomes}
     assert Kind.FAIL in kinds
+
+
+def test_every_step_of_its_master_matters_to_a_judge(judge):
+    for step in judge.steps:
+        if step.note.startswith(MASTERS):
+            others = tuple(other for other in judge.steps if other is not step)
+            assert not play(replace(judge, steps=others)).ok, f"line {step.line} may be left out"
