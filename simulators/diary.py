@@ -22,6 +22,8 @@ class Note(NamedTuple):
     about: str
     """A frame in the notation of cansend, if it is about one."""
     words: str
+    address: tuple[int, int] | None = None
+    """The object it is about, where the frame does not tell."""
 
 
 class Diary:
@@ -35,9 +37,9 @@ class Diary:
         self._states: deque[Note] = deque([Note(-inf, "", "")], maxlen=KEPT)
         self._clock = clock
 
-    def refuse(self, frame: object, reason: object) -> None:
+    def refuse(self, frame: object, reason: object, address: tuple[int, int] | None = None) -> None:
         """A value or an access has been refused."""
-        self.refusals.append(Note(self._clock.now, str(frame), str(reason)))
+        self.refusals.append(Note(self._clock.now, str(frame), str(reason), address))
 
     def strike(self, frame: object, fault: str) -> None:
         """A fault has struck a frame."""

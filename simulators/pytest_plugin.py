@@ -80,7 +80,7 @@ class BenchFactory:
 
         def story() -> str:
             nodes = bench.segment.nodes
-            return scene(bench.trace, nodes, nodes)
+            return scene(bench.trace, nodes)
 
         self._shown.append(story)
         return bench

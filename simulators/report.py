@@ -10,27 +10,25 @@ from simulators.why import why
 SHOWN = 20  # frames
 
 
-def scene(
-    records: Sequence[Record],
-    nodes: Sequence[Node],
-    about: Sequence[Node],
-    since: float = 0.0,
-    wanted: str = "",
+def scene(records: Sequence[Record], nodes: Sequence[Node]) -> str:
+    """The last frames of a bus, how its nodes are, and why they answered as they did."""
+    stories = [device_story(node, records) for node in nodes]
+    return "\n".join([last_frames(records, nodes), *stories])
+
+
+def device_story(
+    node: Node, records: Sequence[Record], since: float = 0.0, wanted: str = ""
 ) -> str:
-    """The last frames among all nodes; how some of them are, and why they answered as they did.
+    """How a node is, and why it answered the last frames as it did.
 
     Args:
-        records: Frames, the last ones last.
-        nodes: Everybody on the bus, for the words.
-        about: Those that are of interest.
-        since: Where the time of the records begins, in seconds of the clock.
+        node: As it is now.
+        records: The frames of its bus, the last one last.
+        since: Where their time begins, in seconds of the node's clock.
         wanted: What was waited for in vain, as `why` takes it.
     """
-    lines = [last_frames(records, nodes)]
-    for node in about:
-        reasons = why(node, records[-SHOWN:], since, wanted)
-        lines += [device_state(node), *(f"  why: {reason}" for reason in reasons)]
-    return "\n".join(lines)
+    reasons = why(node, records[-SHOWN:], since, wanted)
+    return "\n".join([device_state(node), *(f"  why: {reason}" for reason in reasons)])
 
 
 def last_frames(records: Sequence[Record], nodes: Sequence[Node]) -> str:

@@ -77,7 +77,7 @@ class Served(AbstractContextManager["Served"]):
 
     def story(self) -> str:
         """The last frames in words, how the device is, and why it answered as it did."""
-        return scene(list(self._records), [self._node], [self._node])
+        return scene(list(self._records), [self._node])
 
     def _act(self, action: Callable[[Device], None]) -> None:
         def act() -> None:

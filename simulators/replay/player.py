@@ -12,7 +12,7 @@ from simulators.replay.master import Master
 from simulators.replay.scenario import Expectation, Scenario, Stage, Step
 from simulators.replay.verdict import Finding, Kind, Outcome, Verdict
 from simulators.replay.window import Window
-from simulators.report import SHOWN, scene
+from simulators.report import SHOWN, device_story, last_frames
 from simulators.segment import Record, Segment
 from simulators.wire import Frame
 
@@ -112,11 +112,10 @@ class Player:
         outcome = Outcome(finding.kind, time, step.line, what, finding.seen, step.note)
         if finding.kind is Kind.PASS:
             return outcome
-        nodes, about = tuple(self._nodes.values()), [self._nodes[step.node]]
-        return replace(
-            outcome,
-            scene=scene(tuple(self._recent), nodes, about, self._begin / MICROSECONDS, what),
-        )
+        recent, node = tuple(self._recent), self._nodes[step.node]
+        frames = last_frames(recent, tuple(self._nodes.values()))
+        story = device_story(node, recent, self._begin / MICROSECONDS, what)
+        return replace(outcome, scene=f"{frames}\n{story}")
 
     def _time(self, tick: int) -> float:
         return (tick - self._begin) / MICROSECONDS

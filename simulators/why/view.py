@@ -7,7 +7,7 @@ from typing import NamedTuple
 from canopen import ObjectDictionary
 from canopen.objectdictionary import ODVariable
 
-from simulators.diary import GRAIN
+from simulators.diary import GRAIN, Note
 from simulators.node import Node
 from simulators.objects import Address
 from simulators.segment import Record
@@ -83,12 +83,11 @@ class View:
         state = min(state for state in states if state not in active).lower()
         return f"the node was {state}, without {what}{self.service('states')}"
 
-    def reason(self, frame: object, time: float) -> str:
-        """Why the node refused what it answered with this frame, as it said itself."""
-        notes = [note for note in self.diary.refusals if note.about == str(frame)]
-        if not notes:
-            return ""
-        return min(notes, key=lambda note: abs(note.time - self.since - time)).words
+    def refusal(self, frame: object, begin: float, end: float) -> Note | None:
+        """What the node noted of a frame from one time of the records to another."""
+        first, last = self.since + begin - GRAIN, self.since + end + GRAIN
+        notes = (note for note in self.diary.refusals if first <= note.time <= last)
+        return next((note for note in notes if note.about == str(frame)), None)
 
     def strikes(self) -> list[Strike]:
         """What faults have struck lately."""
