@@ -49,7 +49,17 @@ def test_the_diary_is_bounded(topcon):
         topcon.send(READ)
     diary = topcon.twin.node.wire.diary
     assert (len(diary.refusals), len(diary.strikes)) == (KEPT, KEPT)
-    assert diary.states(topcon.clock.now) == {"STOPPED", "PRE-OPERATIONAL"}
+
+
+def test_what_is_too_long_ago_is_not_guessed(topcon, reasons):
+    topcon.send("000#0205")
+    topcon.run(1.0)
+    topcon.send(READ)
+    for _ in range(KEPT):
+        topcon.run(1.0)
+        topcon.send("000#0105")
+        topcon.send("000#8005")
+    assert why(topcon.twin.node, topcon.trace) == []
 
 
 def test_a_request_to_a_stopped_node_is_not_answered_also_when_it_goes_on_later(topcon, reasons):
@@ -91,6 +101,14 @@ def test_a_gateway_says_what_keeps_it_from_communicating(reasons):
     assert reasons(gateway)[-1].endswith(
         "governor in the start tests, gateway in the start tests, no errors (manual 3)"
     )
+
+
+def test_a_gateway_kept_in_its_bootloader_says_so(reasons):
+    gateway = Bench("gateway", node_id=5)
+    gateway.inject("bootloader")
+    gateway.run(1.0)
+    (reason,) = reasons(gateway)
+    assert "gateway kept in the bootloader" in reason
 
 
 def test_a_gateway_off_its_bus_says_so(reasons):
