@@ -21,6 +21,7 @@ COMMANDS: Mapping[int, str] = {
     **{command: f"reset {reset.name.lower()}" for command, reset in RESETS.items()},
 }
 STATES = {byte: state.lower() for state, byte in STATE_BYTE.items()}
+ABORT = 0x80  # 81h and more: the last segment of a block
 SERVICE, NODE_ID = 0x780, 0x7F
 
 Words = Callable[[Frame, Slave | None], str]
@@ -113,19 +114,19 @@ def _sdo_request(frame: Frame, slave: Slave | None) -> str:
     if len(data) != 8:
         return "SDO request, too short"
     kind = data[0] >> 5
+    if data[0] == ABORT:
+        return f"SDO abort by the client, {_abort(data)}"
     if kind == 1:
         return f"SDO write {_named(data, slave)}{_value(data, slave, data[0])}"
     if kind == 2:
         return f"SDO read {_named(data, slave)}"
-    if kind == 4:
-        return f"SDO abort by the client, {_abort(data)}"
     return {0: "SDO write segment", 3: "SDO read segment"}.get(kind, "SDO block transfer")
 
 
 def _sdo_answer(frame: Frame, slave: Slave | None) -> str:
     data = frame.data
     kind = data[0] >> 5 if data else 7
-    if kind == 4:
+    if data[:1] == bytes([ABORT]):
         return f"SDO abort {_named(data, slave)}, {_abort(data)}"
     if kind == 2:
         return f"SDO answer {_named(data, slave)}{_value(data, slave, data[0])}"

@@ -11,17 +11,20 @@ SHOWN = 20  # frames
 
 
 def scene(records: Sequence[Record], nodes: Sequence[Node]) -> str:
-    """The last frames, how the nodes are, and why they answered as they did."""
-    return "\n".join([last_frames(records, nodes), *(condition(node, records) for node in nodes)])
+    """The last frames of a bus, how its nodes are, and why they answered as they did."""
+    stories = [device_story(node, records) for node in nodes]
+    return "\n".join([last_frames(records, nodes), *stories])
 
 
-def condition(node: Node, records: Sequence[Record], since: float = 0.0, wanted: str = "") -> str:
-    """How a node is at this moment, and why it answered as it did.
+def device_story(
+    node: Node, records: Sequence[Record], since: float = 0.0, wanted: str = ""
+) -> str:
+    """How a node is, and why it answered the last frames as it did.
 
     Args:
-        node: The node.
-        records: Frames, the last ones last.
-        since: Where the time of the records begins, in seconds of the clock.
+        node: As it is now.
+        records: The frames of its bus, the last one last.
+        since: Where their time begins, in seconds of the node's clock.
         wanted: What was waited for in vain, as `why` takes it.
     """
     reasons = why(node, records[-SHOWN:], since, wanted)
@@ -41,10 +44,18 @@ def last_frames(records: Sequence[Record], nodes: Sequence[Node]) -> str:
 
 def device_state(node: Node) -> str:
     """NMT state, active faults and what a look at the model shows."""
-    faults = [node.faults.words(*fault) for fault in node.faults.active.items()]
+    faults = [_call(node, name) for name in node.faults.active]
     lines = [
         f"{node.wire.name}: node {node.node_id}, {node.state if node.powered else 'power off'}",
         f"  faults: {', '.join(faults) or 'none'}",
         *(f"  {name}: {value}" for name, value in node.device.report.items()),
     ]
     return "\n".join(lines)
+
+
+def _call(node: Node, name: str) -> str:
+    """A fault with the parameters that somebody has chosen."""
+    told = node.faults.known[name].parameters
+    values = node.faults.active[name].items()
+    chosen = [f"{key}={value}" for key, value in values if value != told[key].default]
+    return f"{name}({', '.join(chosen)})"

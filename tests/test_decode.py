@@ -40,6 +40,8 @@ WORDS = [
         "605#8010200000000405",
         "SDO abort by the client, 05040000h Timeout of transfer communication detected",
     ),
+    ("585#8201020304050607", "SDO segment"),
+    ("605#8201020304050607", "SDO block transfer"),
     ("705#00", "boot-up"),
     ("705#05", "heartbeat operational"),
     ("707#7F", "heartbeat pre-operational"),

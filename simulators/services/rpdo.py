@@ -52,7 +52,7 @@ class Rpdo(Pdo):
         """Take the data over, or keep them for SYNC; a frame that is too short is not processed."""
         if len(frame.data) < self._length:
             reason = f"{len(frame.data)} bytes, {self._length} are mapped"
-            self._refuse(frame.data, Rejected(reason, Abort.TOO_SHORT))
+            self._tell(self.number, Rejected(reason, Abort.TOO_SHORT))
         elif self._waits_for_sync:
             self._latched = frame.data
         else:
@@ -69,8 +69,6 @@ class Rpdo(Pdo):
             try:
                 self.slave.write(entry, data[part])
             except Rejected as refusal:
-                self._refuse(data, refusal)
-
-    def _refuse(self, data: bytes, refusal: Rejected) -> None:
-        self.slave.wire.diary.refuse(Frame(self.cob_id or 0, data), refusal)
-        self._tell(self.number, refusal)
+                frame = Frame(self.cob_id or 0, data)
+                self.slave.wire.diary.refuse(frame, refusal, entry.address)
+                self._tell(self.number, refusal)

@@ -1,6 +1,7 @@
 """PDOs that a node did not take, or did not send when asked for."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from math import inf
 
 from simulators.objects import Rejected
 from simulators.segment import Record
@@ -18,16 +19,23 @@ def explained(view: View) -> Iterator[Line]:
     slave = view.node.slave
     if slave is None:
         return
-    foreign = [record for record in view.records if not view.is_own(record)]
-    for kind, remote, why in ((Rpdo, False, _not_taken), (Tpdo, True, _not_sent)):
-        records = [record for record in foreign if record.frame.remote is remote]
+    for kind, why in ((Rpdo, _not_taken), (Tpdo, _not_sent)):
         for number in kind.numbers(slave):
-            can_id = _cob_id(slave, kind, number) & cob_ids.CAN_ID
-            for record in (each for each in records if each.frame.can_id == can_id):
-                text = _off(view, slave, kind, number, record) or why(view, slave, number, record)
+            name = f"{kind.__name__.upper()}{number}"
+            for record, until in _foreign(view, kind, _cob_id(slave, kind, number)):
+                text = _off(view, slave, kind, number, record)
+                text = text or why(view, slave, number, record, until)
                 if text:
-                    name = f"{kind.__name__.upper()}{number}"
                     yield Line(record, f"{record.frame} {name} {text}")
+
+
+def _foreign(view: View, kind: type[Pdo], cob_id: int) -> Iterable[tuple[Record, float]]:
+    """What the node heard with this identifier, each with the time of the next one."""
+    wanted = (cob_id & cob_ids.CAN_ID, kind.sent)
+    heard = [record for record in view.records if not view.is_own(record)]
+    heard = [each for each in heard if (each.frame.can_id, each.frame.remote) == wanted]
+    times = [*(record.time for record in heard[1:]), inf]
+    return zip(heard, times, strict=False)
 
 
 def _cob_id(slave: Slave, kind: type[Pdo], number: int) -> int:
@@ -48,7 +56,7 @@ def _off(view: View, slave: Slave, kind: type[Pdo], number: int, record: Record)
     return ""
 
 
-def _not_sent(view: View, slave: Slave, number: int, record: Record) -> str:
+def _not_sent(view: View, slave: Slave, number: int, record: Record, until: float) -> str:
     """A remote request may be forbidden, or find nothing that is mapped."""
     if _cob_id(slave, Tpdo, number) & cob_ids.NO_RTR:
         return f"not sent: bit 30 of {view.named((Tpdo.communication + number - 1, COB_ID))} is set"
@@ -57,14 +65,15 @@ def _not_sent(view: View, slave: Slave, number: int, record: Record) -> str:
     return ""
 
 
-def _not_taken(view: View, slave: Slave, number: int, record: Record) -> str:
+def _not_taken(view: View, slave: Slave, number: int, record: Record, until: float) -> str:
     """Data may be too few, refused by an object, or of no use at this moment."""
     parts, data = _parts(slave, Rpdo, number), record.frame.data
     length = sum(size for _, size in parts)
     if len(data) < length:
         return f"not taken: {len(data)} of {length} bytes{view.service('pdo')}"
-    if reason := view.reason(record.frame, record.time):
-        return f"refused: {reason}{view.service('pdo')}"
+    note = view.refusal(record.frame, record.time, until)
+    if note is not None and note.address is not None:
+        return f"refused: {note.words}, {view.named(note.address)}"
     for entry, size in parts:
         part, data = data[:size], data[size:]
         acts = None if entry is None else entry.obstacle

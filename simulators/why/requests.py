@@ -7,6 +7,7 @@ from math import inf
 from canopen import SdoAbortedError
 
 from simulators.mischief.conversation import Conversation
+from simulators.mischief.sdo_filters import is_answer
 from simulators.objects import Address, Rejected
 from simulators.segment import Record
 from simulators.services.initiate import DOWNLOADS, EXPEDITED, EXPEDITED_ROOM
@@ -14,8 +15,7 @@ from simulators.services.sdo import REQUEST_LENGTH, SdoServer
 from simulators.why.view import Line, Strike, View
 from simulators.wire import Frame
 
-ABORT = 4  # command specifier of the server
-ABORTED = 0x80
+ABORT = 0x80  # of the client and of the server; a block has no segment 0
 EXPEDITED_WRITES = {bytes([command]) for command in DOWNLOADS if command & EXPEDITED}
 MULTIPLEXER = slice(6, 12)  # of the text of a frame
 
@@ -37,6 +37,11 @@ class Request:
         """As it was sent."""
         return self.record.frame
 
+    @property
+    def refusal(self) -> Record | None:
+        """The abort among its answers."""
+        return next((each for each in self.answers if each.frame.data[0] == ABORT), None)
+
 
 def requests(view: View) -> Iterator[Request]:
     """The requests to the node, in their order."""
@@ -49,9 +54,9 @@ def requests(view: View) -> Iterator[Request]:
                 yield last
             if len(frame.data) == REQUEST_LENGTH:
                 conversation.ask(frame.data)
-            opens = conversation.segment == 0 and frame.data[:1] != bytes([ABORTED])
+            opens = conversation.segment == 0 and frame.data[:1] != bytes([ABORT])
             last = Request(record, conversation.address, opens)
-        elif frame.can_id == 0x580 + view.node_id and view.is_own(record) and last is not None:
+        elif last is not None and view.is_own(record) and is_answer(view.node, frame):
             last.answers.append(record)
             conversation.answer(frame.data)
     if last is not None:
@@ -61,7 +66,8 @@ def requests(view: View) -> Iterator[Request]:
 def explained(view: View) -> Iterator[Line]:
     """A line for every request that was refused, not answered, or struck by a fault."""
     asked, struck = list(requests(view)), view.strikes()
-    writes = {each.address: each for each in asked if each.frame.data[:1] in EXPEDITED_WRITES}
+    opening = [request for request in asked if request.opens]
+    writes = {each.address: each for each in opening if each.frame.data[:1] in EXPEDITED_WRITES}
     for request in asked:
         text = _struck(view, request, struck) or _refused(view, request)
         text = text or _unanswered(view, request)
@@ -79,24 +85,20 @@ def _struck(view: View, request: Request, struck: list[Strike]) -> str:
         its_answer = note.about.startswith(answer) and note.about[MULTIPLEXER] == told[MULTIPLEXER]
         if note.about == told or its_answer:
             struck.remove(note)
-            verb = "answered" if request.answers else "not answered"
-            if any(record.frame.data[0] >> 5 == ABORT for record in request.answers):
-                verb = "refused"
-            return f"{verb}: the fault {note.fault}"
+            verb = "refused" if request.refusal else "answered"
+            return f"{verb if request.answers else 'not answered'}: the fault {note.fault}"
     return ""
 
 
 def _refused(view: View, request: Request) -> str:
-    for record in request.answers:
-        data = record.frame.data
-        if data and data[0] >> 5 == ABORT:
-            code = int.from_bytes(data[4:8], "little")
-            usual = SdoAbortedError.CODES.get(code, f"abort code {code:08X}h")
-            reason = view.reason(record.frame, record.time) or usual
-            address = (data[1] | data[2] << 8, data[3])
-            about = f", {view.named(address)}" if any(address) else view.service("sdo")
-            return f"refused: {reason}{about}"
-    return ""
+    if (answer := request.refusal) is None:
+        return ""
+    data = answer.frame.data
+    code, address = int.from_bytes(data[4:8], "little"), (data[1] | data[2] << 8, data[3])
+    note = view.refusal(answer.frame, request.record.time, answer.time)
+    usual = SdoAbortedError.CODES.get(code, f"abort code {code:08X}h")
+    about = f", {view.named(address)}" if any(address) else view.service("sdo")
+    return f"refused: {note.words if note else usual}{about}"
 
 
 def _unanswered(view: View, request: Request) -> str:

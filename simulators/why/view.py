@@ -7,7 +7,7 @@ from typing import NamedTuple
 from canopen import ObjectDictionary
 from canopen.objectdictionary import ODVariable
 
-from simulators.diary import GRAIN
+from simulators.diary import GRAIN, UNBORN, Note
 from simulators.node import Node
 from simulators.objects import Address
 from simulators.segment import Record
@@ -67,8 +67,9 @@ class View:
         return in_brackets(self.sections.service(name))
 
     def may(self, time: float, active: Container[str]) -> bool:
-        """Whether the node was in one of these states at a time of the records."""
-        return any(state in active for state in self.diary.states(self.since + time))
+        """Whether the node may have been in one of these states at a time of the records."""
+        states = self.diary.states(self.since + time)
+        return not states or any(state in active for state in states)
 
     def unable(self, time: float, active: Container[str], what: str) -> str:
         """The NMT state in which a service has no say; empty if it had one all the moment.
@@ -76,19 +77,18 @@ class View:
         One moment may see two states: a frame that was not answered came in the wrong one.
         """
         states = self.diary.states(self.since + time)
-        if states and all(state in active for state in states):
+        if all(state in active for state in states):
             return ""
-        if not states or State.INITIALISING in states:
+        if states & {UNBORN, State.INITIALISING}:
             return f"the node was not on the bus{self.service('silence')}"
         state = min(state for state in states if state not in active).lower()
         return f"the node was {state}, without {what}{self.service('states')}"
 
-    def reason(self, frame: object, time: float) -> str:
-        """Why the node refused what it answered with this frame, as it said itself."""
-        notes = [note for note in self.diary.refusals if note.about == str(frame)]
-        if not notes:
-            return ""
-        return min(notes, key=lambda note: abs(note.time - self.since - time)).words
+    def refusal(self, frame: object, begin: float, end: float) -> Note | None:
+        """What the node noted of a frame from one time of the records to another."""
+        first, last = self.since + begin - GRAIN, self.since + end + GRAIN
+        notes = (note for note in self.diary.refusals if first <= note.time <= last)
+        return next((note for note in notes if note.about == str(frame)), None)
 
     def strikes(self) -> list[Strike]:
         """What faults have struck lately."""

@@ -1,6 +1,7 @@
 import pytest
 
 PRE_OPERATIONAL = "the node was pre-operational, without PDO (manual 3.1, Tab. 7)"
+REFUSED = "205#8813 RPDO1 refused: 5000 is above 4000, Voltage reference (manual 7.3.5)"
 COB_ID_2 = "Transmit PDO 2 Communication Parameter.COB-ID TPDO2 (manual 7.2.15)"
 
 
@@ -21,13 +22,21 @@ def test_outside_operational_no_pdo_is_taken_nor_sent(topcon, reasons):
 def test_an_rpdo_that_is_too_short_or_refused_has_its_reason(operational, reasons):
     told = reasons(operational, "205#64", "205#8813")
     assert told[0] == "205#64 RPDO1 not taken: 1 of 2 bytes (manual 3.5)"
-    assert told[-1] == "205#8813 RPDO1 refused: 5000 is above 4000 (manual 3.5)"
+    assert told[-1] == REFUSED
 
 
 def test_an_rpdo_that_waits_for_sync_is_refused_with_it(operational, reasons):
     operational.send("605#2F00140201000000")
     assert reasons(operational, "205#8813") == []
-    assert "205#8813 RPDO1 refused: 5000 is above 4000 (manual 3.5)" in reasons(operational, "080#")
+    assert REFUSED in reasons(operational, "080#")
+
+
+def test_a_refusal_belongs_to_the_frame_it_came_of(operational, reasons):
+    operational.send("205#8813")
+    operational.run(1.0)
+    operational.twin.node.slave.entry(0x2010, 0).high = 5000
+    told = reasons(operational, "205#8813")
+    assert [line for line in told if line.startswith("205#")] == [REFUSED]
 
 
 def test_a_pdo_that_is_off_says_where(operational, reasons):

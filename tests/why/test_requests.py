@@ -2,7 +2,9 @@ import pytest
 
 from simulators import Bench
 from simulators.diary import KEPT
+from simulators.segment import Record
 from simulators.why import TOLD, why
+from simulators.wire import Frame
 
 STOPPED = "not answered: the node was stopped, without SDO (manual 3.1, Tab. 7)"
 READ, RUN = "605#4000100000000000", "605#2B14200001000000"
@@ -47,7 +49,17 @@ def test_the_diary_is_bounded(topcon):
         topcon.send(READ)
     diary = topcon.twin.node.wire.diary
     assert (len(diary.refusals), len(diary.strikes)) == (KEPT, KEPT)
-    assert diary.states(topcon.clock.now) == {"STOPPED", "PRE-OPERATIONAL"}
+
+
+def test_what_is_too_long_ago_is_not_guessed(topcon, reasons):
+    topcon.send("000#0205")
+    topcon.run(1.0)
+    topcon.send(READ)
+    for _ in range(KEPT):
+        topcon.run(1.0)
+        topcon.send("000#0105")
+        topcon.send("000#8005")
+    assert why(topcon.twin.node, topcon.trace) == []
 
 
 def test_a_request_to_a_stopped_node_is_not_answered_also_when_it_goes_on_later(topcon, reasons):
@@ -89,6 +101,14 @@ def test_a_gateway_says_what_keeps_it_from_communicating(reasons):
     assert reasons(gateway)[-1].endswith(
         "governor in the start tests, gateway in the start tests, no errors (manual 3)"
     )
+
+
+def test_a_gateway_kept_in_its_bootloader_says_so(reasons):
+    gateway = Bench("gateway", node_id=5)
+    gateway.inject("bootloader")
+    gateway.run(1.0)
+    (reason,) = reasons(gateway)
+    assert "gateway kept in the bootloader" in reason
 
 
 def test_a_gateway_off_its_bus_says_so(reasons):
@@ -141,6 +161,20 @@ def test_segments_of_a_block_are_not_missing_an_answer(bench_of, reasons):
     segments = ["605#0101020304050607", "605#0208090A0B0C0D0E", "605#8311121314151617"]
     assert reasons(bench, "605#C406200000000000", *segments) == []
     assert bench.sent[-1] == "585#A2037F0000000000"
+
+
+def test_the_last_segment_of_a_block_is_no_abort(bench_of, reasons):
+    bench = bench_of(block=True)
+    bench.device.content = b"123456789"
+    assert reasons(bench, "605#A40421007F000000", "605#A300000000000000") == []
+    assert bench.sent[-1].startswith("585#82")
+
+
+def test_an_abort_that_nobody_noted_has_the_words_of_its_code(topcon):
+    request, answer = Frame.parse(READ), Frame.parse("585#8000100000000206")
+    records = [Record(0.0, request, ""), Record(0.0, answer, "topcon")]
+    (told,) = why(topcon.twin.node, records)
+    assert told == f"{READ} refused: Object does not exist, Device Type (manual 7.2.1)"
 
 
 def test_what_is_accepted_in_vain_is_told_while_it_is_so(topcon, reasons):

@@ -5,7 +5,9 @@ from textwrap import dedent
 
 import pytest
 
-from simulators.replay import load, play
+from simulators import devices
+from simulators.replay import Player, load, play
+from simulators.segment import Segment
 
 pytest_plugins = ["pytester"]
 
@@ -63,3 +65,34 @@ def test_a_test_that_fails_shows_why(pytester, fixture, act):
         "canopen_device": "*why: EMCY 3300h detail 30h: *(manual 8, Tab. 70)",
     }
     result.stdout.fnmatch_lines([reason[fixture]])
+
+
+def test_only_the_node_that_was_waited_for_says_why_nothing_came(tmp_path):
+    file = Path(tmp_path / "story.yaml")
+    file.write_text(
+        dedent("""\
+        version: 1
+        nodes:
+          left: {device: topcon, node_id: 5}
+          right: {device: topcon, node_id: 6}
+        steps:
+          - {at: 1, node: left, expect: {heartbeat: any, within: 1}}
+        """)
+    )
+    (outcome,) = play(load(file)).outcomes
+    reasons = [line for line in outcome.scene.splitlines() if line.startswith("  why: ")]
+    assert reasons == ["  why: there is no heartbeat: Producer Heartbeat Time (manual 7.2.10) is 0"]
+
+
+def test_a_story_that_begins_later_knows_the_states_of_its_moments(tmp_path):
+    file = Path(tmp_path / "story.yaml")
+    file.write_text(STORY)
+    segment = Segment()
+    node = segment.node(devices.create("topcon", node_id=5), "topcon")
+    node.power_on()
+    segment.advance(5.5)
+    player = Player(load(file), segment, {"topcon": node})
+    player.start()
+    segment.advance(12.0)
+    (outcome,) = player.verdict.outcomes
+    assert "  why: 605#2B14200001000000 not answered: the node was stopped" in outcome.scene

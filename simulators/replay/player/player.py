@@ -69,8 +69,7 @@ class Player:
 
     def start(self) -> None:
         """The scenario begins now; its first steps come with the next move of the clock."""
-        self._begin = self._clock.ticks
-        self._scenes.since = self._clock.now
+        self._begin, self._scenes.since = self._clock.ticks, self._clock.now
         self._segment.listeners.append(self._hear)
         for name, node in self._nodes.items():
             node.listeners.append(partial(self._tell_state, name))
@@ -101,9 +100,7 @@ class Player:
         """What has been found; what is not decided by now counts as an error."""
         open_ = [*self._steps.agenda.undecided, *self._cleanup.agenda.undecided]
         outcomes = self._judge.outcomes(open_, self._clock.ticks)
-        told = self.scenario
-        now = self._time(self._clock.ticks)
-        return Verdict(str(told.file), outcomes, told.name, told.seed, seconds=now)
+        return Verdict(str(self.scenario.file), outcomes)
 
     def _hear(self, frame: Frame, sender: str) -> None:
         self._scenes.hear(Record(self._time(self._clock.ticks), frame, sender))

@@ -4,21 +4,24 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 
 from simulators.node import Node
-from simulators.report import SHOWN, condition, last_frames
+from simulators.report import SHOWN, device_story, last_frames
 from simulators.segment import Record
 
 AFTERWARDS = 5  # frames
 
 
 class Scene:
-    """The last frames, how the nodes are at this moment, and the first frames after it."""
+    """The last frames, how the nodes are at this moment, and the first frames after it.
+
+    `stories` say how the nodes are, and why they answered as they did.
+    """
 
     def __init__(
-        self, before: Sequence[Record], nodes: Sequence[Node], time: float, state: str
+        self, before: Sequence[Record], nodes: Sequence[Node], time: float, stories: Sequence[str]
     ) -> None:
         self._nodes = nodes
         self._before = last_frames(before, nodes)
-        self._state = state
+        self._state = "\n".join(stories)
         self._mark = f"{time:12.6f}  ---- here"
         self._after: list[Record] = []
 
@@ -37,10 +40,13 @@ class Scene:
 
 
 class Scenes:
-    """Keeps the last frames, and the scenes that are waiting for the next ones."""
+    """Keeps the last frames, and the scenes that are waiting for the next ones.
+
+    `since` is where the time of the scenario begins, in seconds of the clock.
+    """
 
     def __init__(self, nodes: Mapping[str, Node]) -> None:
-        self.since = 0.0  # when the scenario began, in seconds of the clock
+        self.since = 0.0
         self._nodes = nodes
         self._recent: deque[Record] = deque(maxlen=SHOWN)
         self._open: list[Scene] = []
@@ -53,17 +59,17 @@ class Scenes:
                 scene.hear(record)
             self._open = [scene for scene in self._open if not scene.complete]
 
-    def begin(self, time: float, node: str, wanted: str) -> Scene:
+    def begin(self, time: float, about: str, wanted: str) -> Scene:
         """The scene of this moment, which takes in what comes after it."""
-        scene = self.look(time, node, wanted)
+        scene = self.look(time, about, wanted)
         self._open.append(scene)
         return scene
 
-    def look(self, time: float, node: str, wanted: str) -> Scene:
-        """The scene of this moment, as it is; `wanted` is what was waited for of a node in vain."""
+    def look(self, time: float, about: str, wanted: str) -> Scene:
+        """The scene of this moment, as it is: what was wanted, of the node it is about."""
         recent = tuple(self._recent)
-        states = [
-            condition(each, recent, self.since, wanted if name == node else "")
-            for name, each in self._nodes.items()
+        stories = [
+            device_story(node, recent, self.since, wanted if name == about else "")
+            for name, node in self._nodes.items()
         ]
-        return Scene(recent, tuple(self._nodes.values()), time, "\n".join(states))
+        return Scene(recent, tuple(self._nodes.values()), time, stories)
