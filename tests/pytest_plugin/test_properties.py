@@ -22,7 +22,7 @@ def told(case):
 
 
 def test_a_story_leaves_what_came_of_it_in_the_report(report, story):
-    story("two.twin.yaml", f"{PASSING}\n{FAILING}", "Two things")
+    story("two.twin.yaml", f"{PASSING}\n{FAILING}\nseed: 7", "Two things")
     case = report(None)["Two things"]
     assert told(case) == [
         ("canopen_scenario", "two.twin.yaml"),
@@ -31,7 +31,7 @@ def test_a_story_leaves_what_came_of_it_in_the_report(report, story):
         ("canopen_skip", "0"),
         ("canopen_fail", "1"),
         ("canopen_error", "0"),
-        ("canopen_seed", "1"),
+        ("canopen_seed", "7"),
         ("canopen_seconds", "0.100001"),
         (
             "canopen_outcome",
