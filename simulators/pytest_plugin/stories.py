@@ -42,15 +42,16 @@ def beside(test: Path, name: str) -> Scenario:
     pytest.fail(told, pytrace=False)
 
 
-def judge(verdict: Verdict) -> None:
-    """Raises what pytest takes for a failure or a skipped test; nothing for PASS."""
+def judge(verdicts: Iterable[Verdict]) -> None:
+    """Raises what pytest takes for a failure, or else for a skipped test; nothing for PASS."""
     from simulators.replay import Kind  # noqa: PLC0415
 
-    if verdict.kind is Kind.SKIP:
-        skipped = [each for each in verdict.outcomes if each.kind is Kind.SKIP]
-        pytest.skip(f"{verdict.file}:{skipped[0].line}: {skipped[0].seen}")
-    if verdict.kind is not Kind.PASS:
-        pytest.fail(str(verdict), pytrace=False)
+    bad = [verdict for verdict in verdicts if verdict.kind is not Kind.PASS]
+    if failed := [str(verdict) for verdict in bad if not verdict.ok]:
+        pytest.fail("\n".join(failed), pytrace=False)
+    for verdict in bad:
+        skipped = next(each for each in verdict.outcomes if each.kind is Kind.SKIP)
+        pytest.skip(f"{verdict.file}:{skipped.line}: {skipped.seen}")
 
 
 def settle(item: pytest.Item) -> None:
@@ -61,8 +62,7 @@ def settle(item: pytest.Item) -> None:
     del item.stash[TOLD]
     verdicts = [story.verdict for story in stories]
     note(item, verdicts)
-    for verdict in verdicts:
-        judge(verdict)
+    judge(verdicts)
 
 
 def note(item: pytest.Item, verdicts: Iterable[Verdict]) -> None:
@@ -82,8 +82,8 @@ class StoryFile(pytest.File):
             scenario = read(str(self.path))
         except UserError as mistakes:
             raise self.CollectError(str(mistakes)) from None
-        name = " ".join(scenario.name.split()).replace("::", ":")  # which splits node ids
-        yield StoryItem.from_parent(self, name=name, scenario=scenario)
+        name = " ".join(scenario.name.split()).replace("::", ":")  # two would split node ids
+        yield StoryItem.from_parent(self, name=name or self.path.stem, scenario=scenario)
 
 
 class StoryItem(pytest.Item):
@@ -103,11 +103,11 @@ class StoryItem(pytest.Item):
         self.verdict = play(self.scenario)
         note(self, [self.verdict])
         if self.verdict.kind is not Kind.FAIL:
-            judge(self.verdict)
+            judge([self.verdict])
 
     def runtest(self) -> None:
         """Raises if something else has come than was expected."""
-        judge(self.verdict)
+        judge([self.verdict])
 
     def reportinfo(self) -> tuple[Path, int, str]:
         """Where it is, for the headings of reports."""
