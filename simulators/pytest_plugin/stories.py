@@ -56,21 +56,27 @@ def judge(verdicts: Iterable[Verdict]) -> None:
 
 def settle(item: pytest.Item) -> None:
     """Play the rest of the stories of a test, note what came of them, and judge them."""
-    stories = item.stash[TOLD]
-    for story in stories:
+    if TOLD not in item.stash:
+        return
+    for story in item.stash[TOLD]:
         story.finish()
+    note(item)
+    verdicts = [story.verdict for story in item.stash[TOLD]]
     del item.stash[TOLD]
-    verdicts = [story.verdict for story in stories]
-    note(item, verdicts)
     judge(verdicts)
 
 
-def note(item: pytest.Item, verdicts: Iterable[Verdict]) -> None:
-    """Keep verdicts as properties of a test, for `--junitxml` and other reports."""
+def note(item: pytest.Item) -> None:
+    """Keep the verdicts of a test so far as its properties, for `--junitxml` and others."""
+    for story in item.stash.get(TOLD, []):
+        keep(item, story.verdict)
+
+
+def keep(item: pytest.Item, verdict: Verdict) -> None:
+    """The same with one of them."""
     from simulators.verdicts.properties import properties  # noqa: PLC0415
 
-    for verdict in verdicts:
-        item.user_properties.extend(properties(verdict))
+    item.user_properties.extend(properties(verdict))
 
 
 class StoryFile(pytest.File):
@@ -101,7 +107,7 @@ class StoryItem(pytest.Item):
         from simulators.replay import Kind, play  # noqa: PLC0415
 
         self.verdict = play(self.scenario)
-        note(self, [self.verdict])
+        keep(self, self.verdict)
         if self.verdict.kind is not Kind.FAIL:
             judge([self.verdict])
 

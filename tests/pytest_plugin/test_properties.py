@@ -64,6 +64,17 @@ def test_a_test_that_lives_through_stories_leaves_all_of_them(report, story):
     assert case.find("failure").text.startswith("bad.yaml: FAIL (1 FAIL)")
 
 
+def test_a_test_that_fails_by_itself_leaves_them_as_they_are_then(report, story):
+    story("bad.yaml", FAILING)
+    case = report("""
+        def test_it(canopen_scenario):
+            canopen_scenario("bad.yaml").run(1)
+            assert False
+    """)["test_it"]
+    assert ("canopen_verdict", "FAIL") in told(case)
+    assert ("canopen_seconds", "1.000000") in told(case)
+
+
 def test_it_is_the_same_under_xdist(report, story, pytester):
     story("bad.twin.yaml", FAILING, "Bad")
     alone = told(report(None)["Bad"])
