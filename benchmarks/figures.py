@@ -47,10 +47,10 @@ NOTES = {
     ),
     "In a pytest session": (
         "The plugin imports and reads at the end of the collection what the tests it has found will"
-        " need, once for all of them, or once in each worker of pytest-xdist. No test waits for it,"
-        " not even the first. A device is ready when it has answered its first SDO request. With"
-        " pytest itself, its other plugins and the start of the process, a run of one test takes"
-        " as long as the last line says."
+        " need: here all devices, as `canopen_bench` may be asked for any. That is once for all"
+        " tests, or once in each worker of pytest-xdist. A device is ready when it has answered its"
+        " first SDO request; the first test still reads the EDS for the node id it has chosen. A"
+        " process that runs one test with the fixture `topcon` takes as long as the last line says."
     ),
 }
 
@@ -163,14 +163,14 @@ SECTIONS = {
     ],
     "In a pytest session": [
         Figure(
-            "the fixture `topcon` of the first test",
+            "a TopCon by `canopen_bench` in the first test",
             "test_session[first]",
             LOCAL_NODE,
             "test_fresh[first-localnode]",
             Goal(time=0.020),
         ),
         Figure(
-            "that of every later test",
+            "the same in every later test",
             "test_session[later]",
             LOCAL_NODE,
             "test_later_localnode",

@@ -24,9 +24,9 @@ OPTIONS = (
 
 
 @pytest.fixture
-def voltage(topcon: Any) -> bytes:
-    """A device is ready when it has answered."""
-    answer: bytes = topcon.sdo.upload(ACTUAL_VOLTAGE, 0)
+def voltage(canopen_bench: Any) -> bytes:
+    """A device is ready when it has answered; this one has a node id of its own."""
+    answer: bytes = canopen_bench("topcon", node_id=5).sdo.upload(ACTUAL_VOLTAGE, 0)
     return answer
 
 

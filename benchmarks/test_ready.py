@@ -78,7 +78,7 @@ def test_fresh(benchmark: BenchmarkFixture, fresh: Fresh, before: str, line: str
 
 @pytest.mark.parametrize("stage", ["collection", "first", "later"])
 def test_session(benchmark: BenchmarkFixture, fresh: Fresh, stage: str):
-    """What a test with the fixture `topcon` waits for, until the twin has answered it."""
+    """What a test with the fixture `canopen_bench` waits for, until a twin has answered it."""
     line = f"from benchmarks import session; session.run({stage!r})"
     benchmark.pedantic(
         lambda go_on: go_on(""), setup=lambda: ((fresh(line),), {}), rounds=9, warmup_rounds=1

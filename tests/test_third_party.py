@@ -90,8 +90,8 @@ def test_its_story_is_played(python):
 
 
 def test_its_own_tests_use_a_fixture_of_its_name(python):
-    tested = python("pytest", "-q", "-p", "no:cacheprovider", "tests")
-    assert "4 passed" in tested.stdout, tested.stdout
+    tested = python("pytest", "-q", "-p", "no:cacheprovider")
+    assert "5 passed" in tested.stdout, tested.stdout
 
 
 def test_it_holds_what_every_device_has_to(python):

@@ -24,6 +24,7 @@ from simulators.pytest_plugin.fixtures import (
     canopen_scenario,
     canopen_simulated_time,
 )
+from simulators.pytest_plugin.stories import StoryFile, note, settle
 
 if TYPE_CHECKING:
     from simulators.bench import Bench
@@ -67,11 +68,8 @@ def _device_fixture(name: str) -> object:
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
     """A scenario is a test."""
-    if not file_path.name.endswith(STORIES):
-        return None
-    from simulators.pytest_plugin.stories import StoryFile  # noqa: PLC0415
-
-    return StoryFile.from_parent(parent, path=file_path)
+    is_story = file_path.name.endswith(STORIES)
+    return StoryFile.from_parent(parent, path=file_path) if is_story else None
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
@@ -87,11 +85,12 @@ def pytest_collection_finish(session: pytest.Session) -> None:
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_call(item: pytest.Item) -> Generator[None, object, object]:
     """A test is over when its stories are: what they expect counts as what it asserts."""
-    result = yield
-    if TOLD in item.stash:
-        from simulators.pytest_plugin.stories import settle  # noqa: PLC0415
-
-        settle(item)
+    try:
+        result = yield
+    except (Exception, pytest.fail.Exception):
+        note(item)
+        raise
+    settle(item)
     return result
 
 

@@ -7,10 +7,10 @@ from contextlib import suppress
 from importlib import import_module
 
 MODULES = {
-    "canopen_bench": "simulators.report",
-    "canopen_device": "simulators.served",
-    "canopen_scenario": "simulators.story",
-    "canopen_simulated_time": "simulators.simulated_time",
+    "canopen_bench": ("simulators.report",),
+    "canopen_device": ("simulators.served",),
+    "canopen_scenario": ("simulators.story", "simulators.replay.reading.story"),
+    "canopen_simulated_time": ("simulators.simulated_time",),
 }
 
 
@@ -20,7 +20,8 @@ def prepare(uses: Iterable[Set[str]]) -> None:
 
     known = set(devices.names())
     for fixture in set().union(*uses) & MODULES.keys():
-        import_module(MODULES[fixture])
+        for module in MODULES[fixture]:
+            import_module(module)
     wanted = set().union(*(names & known or known for names in uses))
     for name in sorted(wanted):
         with suppress(Exception):  # a device is broken: whoever asks for it is told

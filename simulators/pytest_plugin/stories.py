@@ -42,35 +42,41 @@ def beside(test: Path, name: str) -> Scenario:
     pytest.fail(told, pytrace=False)
 
 
-def judge(verdict: Verdict) -> None:
-    """Raises what pytest takes for a failure or a skipped test; nothing for PASS."""
+def judge(verdicts: Iterable[Verdict]) -> None:
+    """Raises what pytest takes for a failure, or else for a skipped test; nothing for PASS."""
     from simulators.replay import Kind  # noqa: PLC0415
 
-    if verdict.kind is Kind.SKIP:
-        skipped = [each for each in verdict.outcomes if each.kind is Kind.SKIP]
-        pytest.skip(f"{verdict.file}:{skipped[0].line}: {skipped[0].seen}")
-    if verdict.kind is not Kind.PASS:
-        pytest.fail(str(verdict), pytrace=False)
+    bad = [verdict for verdict in verdicts if verdict.kind is not Kind.PASS]
+    if failed := [str(verdict) for verdict in bad if not verdict.ok]:
+        pytest.fail("\n".join(failed), pytrace=False)
+    for verdict in bad:
+        skipped = next(each for each in verdict.outcomes if each.kind is Kind.SKIP)
+        pytest.skip(f"{verdict.file}:{skipped.line}: {skipped.seen}")
 
 
 def settle(item: pytest.Item) -> None:
     """Play the rest of the stories of a test, note what came of them, and judge them."""
-    stories = item.stash[TOLD]
-    for story in stories:
+    if TOLD not in item.stash:
+        return
+    for story in item.stash[TOLD]:
         story.finish()
+    note(item)
+    verdicts = [story.verdict for story in item.stash[TOLD]]
     del item.stash[TOLD]
-    verdicts = [story.verdict for story in stories]
-    note(item, verdicts)
-    for verdict in verdicts:
-        judge(verdict)
+    judge(verdicts)
 
 
-def note(item: pytest.Item, verdicts: Iterable[Verdict]) -> None:
-    """Keep verdicts as properties of a test, for `--junitxml` and other reports."""
+def note(item: pytest.Item) -> None:
+    """Keep the verdicts of a test so far as its properties, for `--junitxml` and others."""
+    for story in item.stash.get(TOLD, []):
+        keep(item, story.verdict)
+
+
+def keep(item: pytest.Item, verdict: Verdict) -> None:
+    """The same with one of them."""
     from simulators.verdicts.properties import properties  # noqa: PLC0415
 
-    for verdict in verdicts:
-        item.user_properties.extend(properties(verdict))
+    item.user_properties.extend(properties(verdict))
 
 
 class StoryFile(pytest.File):
@@ -82,8 +88,8 @@ class StoryFile(pytest.File):
             scenario = read(str(self.path))
         except UserError as mistakes:
             raise self.CollectError(str(mistakes)) from None
-        name = " ".join(scenario.name.split()).replace("::", ":")  # which splits node ids
-        yield StoryItem.from_parent(self, name=name, scenario=scenario)
+        name = " ".join(scenario.name.split()).replace("::", ":")  # two would split node ids
+        yield StoryItem.from_parent(self, name=name or self.path.stem, scenario=scenario)
 
 
 class StoryItem(pytest.Item):
@@ -101,13 +107,13 @@ class StoryItem(pytest.Item):
         from simulators.replay import Kind, play  # noqa: PLC0415
 
         self.verdict = play(self.scenario)
-        note(self, [self.verdict])
+        keep(self, self.verdict)
         if self.verdict.kind is not Kind.FAIL:
-            judge(self.verdict)
+            judge([self.verdict])
 
     def runtest(self) -> None:
         """Raises if something else has come than was expected."""
-        judge(self.verdict)
+        judge([self.verdict])
 
     def reportinfo(self) -> tuple[Path, int, str]:
         """Where it is, for the headings of reports."""

@@ -120,3 +120,60 @@ def test_the_master_of_the_test_is_alive_to_the_end_of_the_story(run, story, pyt
             canopen_simulated_time(bench, "supervisor")
             supervisor.watch(dictionary("topcon.eds", 5))
     """).assert_outcomes(passed=1)
+
+
+def test_a_story_may_have_several_twins(run, pytester):
+    (pytester.path / "two.yaml").write_text("""\
+version: 1
+nodes:
+  left: {device: topcon, node_id: 5}
+  right: {device: topcon, node_id: 6}
+steps:
+  - {at: 1, node: left, inject: {error: {number: 0x23}}}
+  - {at: 1, node: right, expect: {emcy: none, within: 1}}
+""")
+    run("""
+        def test_one_trips(canopen_scenario):
+            bench = canopen_scenario("two.yaml")
+            bench.run(2)
+            assert bench["left"].sdo["Error Register"].raw == 3
+            assert bench["right"].sdo["Error Register"].raw == 0
+    """).assert_outcomes(passed=1)
+
+
+def test_a_reply_comes_after_what_it_replies_to(run, story):
+    story(
+        "reply.yaml",
+        """
+        - {at: 1, inject: {error: {number: 0x23}}}
+        - {when: {emcy: any}, expect: {write: {Run command: 0}, within: 0.5}}
+        """,
+    )
+    run("""
+        def test_gives_up(canopen_scenario):
+            bench = canopen_scenario("reply.yaml")
+            bench.twin.remote.emcy.add_callback(lambda _: turn_off(bench))
+            bench.run(1)
+
+        def turn_off(bench):
+            bench.sdo["Run command"].raw = 0
+
+        def test_goes_on(canopen_scenario):
+            canopen_scenario("reply.yaml").run(1)
+    """).assert_outcomes(passed=1, failed=1)
+
+
+def test_frames_take_their_time_where_the_story_says_so(run, pytester):
+    (pytester.path / "slow.yaml").write_text("""\
+version: 1
+bit_rate: 125000
+node: {device: topcon, node_id: 5}
+steps:
+  - {at: 0, expect: {frame: "705#00", within: 0.01}}
+""")
+    run("""
+        def test_boots(canopen_scenario):
+            bench = canopen_scenario("slow.yaml")
+            assert bench.sent == []
+            assert bench.run(0.01) == ["705#00"]
+    """).assert_outcomes(passed=1)

@@ -22,7 +22,7 @@ def told(case):
 
 
 def test_a_story_leaves_what_came_of_it_in_the_report(report, story):
-    story("two.twin.yaml", f"{PASSING}\n{FAILING}", "Two things")
+    story("two.twin.yaml", f"{PASSING}\n{FAILING}\nseed: 7", "Two things")
     case = report(None)["Two things"]
     assert told(case) == [
         ("canopen_scenario", "two.twin.yaml"),
@@ -31,7 +31,7 @@ def test_a_story_leaves_what_came_of_it_in_the_report(report, story):
         ("canopen_skip", "0"),
         ("canopen_fail", "1"),
         ("canopen_error", "0"),
-        ("canopen_seed", "1"),
+        ("canopen_seed", "7"),
         ("canopen_seconds", "0.100001"),
         (
             "canopen_outcome",
@@ -62,6 +62,17 @@ def test_a_test_that_lives_through_stories_leaves_all_of_them(report, story):
     assert [value for name, value in told(case) if name == "canopen_verdict"] == ["FAIL", "PASS"]
     assert [value for name, value in told(case) if name == "canopen_seconds"][1] == "60.000000"
     assert case.find("failure").text.startswith("bad.yaml: FAIL (1 FAIL)")
+
+
+def test_a_test_that_fails_by_itself_leaves_them_as_they_are_then(report, story):
+    story("bad.yaml", FAILING)
+    case = report("""
+        def test_it(canopen_scenario):
+            canopen_scenario("bad.yaml").run(1)
+            assert False
+    """)["test_it"]
+    assert ("canopen_verdict", "FAIL") in told(case)
+    assert ("canopen_seconds", "1.000000") in told(case)
 
 
 def test_it_is_the_same_under_xdist(report, story, pytester):

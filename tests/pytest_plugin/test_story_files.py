@@ -3,6 +3,9 @@ import sys
 
 import pytest
 
+from simulators.pytest_plugin.stories import judge
+from simulators.replay import Kind, Outcome, Verdict
+
 from .steps import BROKEN, FAILING, PASSING
 
 
@@ -75,11 +78,38 @@ def test_they_are_found_by_name_file_device_and_node_id(run, stories):
     run(None, "good.twin.yaml::It is as it should be").assert_outcomes(passed=1)
 
 
+def test_a_scenario_without_a_name_has_that_of_its_file(run, story):
+    story("good.twin.yaml", PASSING, '" "')
+    run(None, "good.twin.yaml::good.twin").assert_outcomes(passed=1)
+
+
+def test_it_is_found_by_what_it_covers(run, story, pytester):
+    story("good.twin.yaml", PASSING)
+    file = pytester.path / "covering.twin.yaml"
+    file.write_text((pytester.path / "good.twin.yaml").read_text() + "covers: [T-193]\n")
+    run(None, "-k", "T-193").assert_outcomes(passed=1, deselected=1)
+
+
 def test_a_name_that_would_split_a_node_id_does_not(run, story):
     story("odd.twin.yaml", PASSING, '"Odd::name,\\n [in] parts"')
     (told,) = [line for line in run(None, "--collect-only", "-q").stdout.lines if "odd" in line]
     assert told == "odd.twin.yaml::Odd:name, [in] parts"
     run(None, told).assert_outcomes(passed=1)
+
+
+def test_what_is_left_out_is_skipped_with_its_reason():
+    left_out = Outcome(Kind.SKIP, 1.0, 7, "nmt", "only on the simulated bus")
+    skipped = Verdict("story.yaml", (Outcome(Kind.PASS, 0.0, 5, "", ""), left_out))
+    with pytest.raises(pytest.skip.Exception, match=r"story.yaml:7: only on the simulated bus"):
+        judge([Verdict("good.yaml", ()), skipped])
+
+
+def test_nothing_that_is_left_out_hides_a_failure():
+    skipped, failed = (
+        Verdict(f"{kind}.yaml", (Outcome(kind, 1.0, 7, "", ""),)) for kind in (Kind.SKIP, Kind.FAIL)
+    )
+    with pytest.raises(pytest.fail.Exception, match=r"FAIL\.yaml: FAIL"):
+        judge([skipped, failed])
 
 
 def test_other_files_are_left_alone(run, story):
