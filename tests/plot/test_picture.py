@@ -8,6 +8,7 @@ import matplotlib as mpl
 import pytest
 
 from simulators.plot import look
+from simulators.plot.view import MOST_MARKS
 from simulators.replay import load
 from tests.plot.conftest import Svg, draw
 
@@ -79,6 +80,22 @@ def test_a_failed_expectation_is_marked_at_its_time_with_its_line(svg):
 
 def test_a_fault_is_a_bar_with_its_name(svg):
     assert "error(code=4660)" in svg.texts
+
+
+def test_a_fault_that_is_over_at_once_is_marked_with_its_name(drawn):
+    steps = "- {at: 5, inject: {level: {value: 7}}}\n- {at: 10, nmt: start}\n"
+    svg = Svg(drawn(steps).read_text("utf-8"))
+    assert "faults" in svg.texts
+    assert svg.text_at("level(value=7)") == pytest.approx(place_of(5) + 72 * look.PAD, abs=0.01)
+
+
+def test_of_a_crowd_of_failures_the_first_are_marked(drawn):
+    steps = "- {at: 1, every: 0.01, times: 600, expect: {value: {0x2100: 7}}}\n"
+    svg = Svg(drawn(steps).read_text("utf-8"))
+    marks = {line[0] for line in svg.lines(look.FAILED) if len(line) == 4 and line[0] == line[2]}
+    assert len(marks) == MOST_MARKS
+    assert "FAIL line 5" in svg.texts
+    assert svg.texts[-1].endswith("FAIL (600 FAIL)")
 
 
 def test_what_was_left_out_after_an_error_is_neither_a_dot_nor_a_cross(drawn):
