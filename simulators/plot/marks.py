@@ -67,7 +67,7 @@ class Faults(Marks):
         """The bars."""
         for row in range(self.last + 1):
             spans = [span for span, place in zip(self.spans, places, strict=True) if place == row]
-            self.bars(axes, spans, row, look.FAULT)
+            self.bars(axes, spans, row, look.FAULT, look.EDGE_OF_FAULT)
 
 
 class Expectations(Marks):

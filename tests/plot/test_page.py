@@ -30,6 +30,9 @@ class Page(HTMLParser):
         if tag == "tr":
             self.rows.append([])
 
+    def handle_endtag(self, tag):
+        self._open = ""
+
     def handle_data(self, data):
         if self._open in ("td", "th") and data.strip():
             self.rows[-1].append(data)
