@@ -19,12 +19,13 @@ from simulators.replay.player.watch import GRAIN
 from simulators.replay.scenario import Scenario, Step
 from simulators.replay.signs import Entered, Written
 from simulators.replay.verdict import Outcome, Verdict
-from simulators.segment import Record, Segment
+from simulators.segment import Segment
 from simulators.services import State
 from simulators.wire import Frame
 
 NAME = "scenario"
 LONGEST = 86_400  # seconds of a run
+ANSWERS = range(0x581, 0x600)  # of SDO servers
 
 
 class Player:
@@ -49,7 +50,7 @@ class Player:
         self._wire = segment.master(NAME)
         self._begin = clock.ticks
         self._senses = Senses(self._nodes, clock)
-        self._scenes = Scenes(tuple(self._nodes.values()))
+        self._scenes = Scenes(tuple(self._nodes.values()), self._time)
         self._judge = Judge(self._scenes, self._time, self._tell_outcome)
         self._clients = {
             name: Client(node, clock, self._send) for name, node in self._nodes.items()
@@ -65,7 +66,7 @@ class Player:
             self._tell,
         )
         self._steps = Course(scenario.steps, crew, self._clean_up, scenario.duration)
-        self._cleanup = Course(scenario.cleanup, crew, self._finish, strict=False)
+        self._cleanup = Course(scenario.cleanup, crew, strict=False)
 
     def start(self) -> None:
         """The scenario begins now; its first steps come with the next move of the clock."""
@@ -86,25 +87,27 @@ class Player:
     def done(self) -> bool:
         """Whether every step has been carried out and every expectation decided."""
         if self.scenario.cleanup:
-            return self._steps.over and self._cleanup.settled
-        return self._steps.over or self._steps.settled
+            return self._steps.over and self._cleanup.agenda.settled
+        return self._steps.over or self._steps.agenda.settled
 
     @property
     def horizon(self) -> float:
         """Time of the clock at which every window so far is over, decided or not."""
-        return (max(self._steps.horizon, self._cleanup.horizon) + GRAIN) / MICROSECONDS
+        horizons = [course.agenda.horizon for course in (self._steps, self._cleanup)]
+        return (max(horizons) + GRAIN) / MICROSECONDS
 
     @property
     def verdict(self) -> Verdict:
         """What has been found; what is not decided by now counts as an error."""
-        open_ = [*self._steps.undecided, *self._cleanup.undecided]
+        open_ = [*self._steps.agenda.undecided, *self._cleanup.agenda.undecided]
         outcomes = self._judge.outcomes(open_, self._clock.ticks)
         return Verdict(str(self.scenario.file), outcomes)
 
     def _hear(self, frame: Frame, sender: str) -> None:
-        self._scenes.hear(Record(self._time(self._clock.ticks), frame, sender))
-        for client in self._clients.values():
-            client.hear(frame)
+        self._scenes.hear(self._clock.ticks, frame, sender)
+        if frame.can_id in ANSWERS:
+            for client in self._clients.values():
+                client.hear(frame)
         self._senses.hear(frame, sender)
 
     def _send(self, frame: Frame) -> None:
@@ -114,9 +117,6 @@ class Player:
     def _clean_up(self) -> None:
         self._limit.cancel()
         self._cleanup.start()
-
-    def _finish(self) -> None:
-        pass
 
     def _time(self, tick: int) -> float:
         return (tick - self._begin) / MICROSECONDS
