@@ -96,7 +96,7 @@ def _panels(run: Run) -> Iterator[Panel]:
         yield from (CurvePanel(run, view, strip) for strip in view.strips)
         if view.emergencies:
             yield Emergencies(run, view)
-        if view.faults:
+        if run.faults(view):
             yield Faults(run, view)
         states = States(run, view)
         yield Legend(run, states)

@@ -10,8 +10,9 @@ from simulators.plot.run import Run, Span
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+EDGE = 0.6  # points
 BAR = 0.8  # of a row
-NARROWEST = 1 / 1000  # of the axis: what is shorter can still be seen
+NARROWEST = 2 / 1000  # of the axis: what is shorter can still be seen
 
 
 class Lane:
@@ -41,11 +42,14 @@ class Lane:
         """The time at a place of the axis."""
         return self.run.duration * inches / look.AXIS
 
-    def bars(self, axes: "Axes", spans: Iterable[Span], row: int, colour: str) -> None:
+    def bars(
+        self, axes: "Axes", spans: Iterable[Span], row: int, colour: str, edge: str = ""
+    ) -> None:
         """From when to when."""
         least = NARROWEST * self.run.duration
         widths = [(span.start, max(span.end - span.start, least)) for span in spans]
-        axes.broken_barh(widths, (row + (1 - BAR) / 2, BAR), color=colour, lw=0)
+        place = (row + (1 - BAR) / 2, BAR)
+        axes.broken_barh(widths, place, facecolor=colour, edgecolor=edge or colour, lw=EDGE)
 
     def write(self, axes: "Axes", told: Label, row: int, colour: str = look.INK) -> None:
         """A label where it has been placed."""

@@ -7,6 +7,7 @@ from simulators.chart import Mood
 
 ACTUAL, SET = "#0072B2", "#E69F00"
 EMCY, FAULT, FAILED, PASSED = "#A8447F", "#F0E442", "#B00020", "#009E73"
+EDGE_OF_FAULT = "#8F8400"
 INK, PALE = "#222222", "#BBBBBB"
 MOODS: Mapping[Mood, str] = {
     Mood.OFF: "#CCCCCC",

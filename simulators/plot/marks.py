@@ -67,7 +67,7 @@ class Faults(Marks):
         """The bars."""
         for row in range(self.last + 1):
             spans = [span for span, place in zip(self.spans, places, strict=True) if place == row]
-            self.bars(axes, spans, row, look.FAULT)
+            self.bars(axes, spans, row, look.FAULT, look.EDGE_OF_FAULT)
 
 
 class Expectations(Marks):
@@ -77,7 +77,7 @@ class Expectations(Marks):
 
     def __init__(self, run: Run) -> None:
         told = [(f"{each.kind} line {each.line}", _moment(each.time)) for each in run.failed]
-        super().__init__(run, "expected", sorted(told, key=lambda each: each[1]))
+        super().__init__(run, "expected", told)
 
     def mark(self, axes: "Axes", places: Sequence[int]) -> None:
         """The crosses; the dots are in the first row, hollow for what was left out."""

@@ -26,6 +26,9 @@ pre {{ overflow-x: auto; }}
 <h1>{title}</h1>
 """
 
+MOST_LINES = 2000
+"""Of a verdict; the command prints all."""
+
 Row = Sequence[str]
 
 
@@ -38,9 +41,15 @@ def page(run: Run, svg: str) -> str:
 
 
 def _sections(run: Run) -> Iterator[str]:
-    yield f"<h2>Verdict</h2>\n<pre>{escape(str(run.verdict))}</pre>\n"
+    yield f"<h2>Verdict</h2>\n<pre>{escape(_verdict(run))}</pre>\n"
     yield from _emergencies(run)
     yield from _faults(run)
+
+
+def _verdict(run: Run) -> str:
+    lines = str(run.verdict).splitlines()
+    more = [f"... and {len(lines) - MOST_LINES} lines more"] if len(lines) > MOST_LINES else []
+    return "\n".join([*lines[:MOST_LINES], *more])
 
 
 def _emergencies(run: Run) -> Iterator[str]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from simulators.plot.track import Points, V
-from simulators.plot.view import View
+from simulators.plot.view import MOST_MARKS, View
 from simulators.replay.verdict import Kind, Outcome, Verdict
 
 
@@ -49,8 +49,9 @@ class Run:
 
     @property
     def failed(self) -> Sequence[Outcome]:
-        """What did not, or could not be carried out."""
-        return [each for each in self.verdict.outcomes if each.kind in (Kind.FAIL, Kind.ERROR)]
+        """What did not, or could not be carried out; the first of them if they are a crowd."""
+        bad = (each for each in self.verdict.outcomes if each.kind in (Kind.FAIL, Kind.ERROR))
+        return sorted(bad, key=lambda each: each.time)[:MOST_MARKS]
 
     def lasting(self, points: Points[V]) -> Iterator[tuple[Span, V]]:
         """What held from when to when."""

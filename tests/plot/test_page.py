@@ -1,6 +1,9 @@
+import re
 from html.parser import HTMLParser
 
 import pytest
+
+from simulators.plot.page import MOST_LINES
 
 STEPS = """\
 - {at: 1, inject: {error: {code: 0x1234}}}
@@ -26,6 +29,9 @@ class Page(HTMLParser):
         self._open = tag
         if tag == "tr":
             self.rows.append([])
+
+    def handle_endtag(self, tag):
+        self._open = ""
 
     def handle_data(self, data):
         if self._open in ("td", "th") and data.strip():
@@ -65,6 +71,13 @@ def test_every_emergency_has_a_row_with_its_time_and_words(page):
 def test_every_fault_has_a_row_from_inject_to_clear_or_to_the_end(page):
     assert ["1.000000", "2.000000", "meter", "error(code=4660)"] in page.rows
     assert ["3.000000", "the end", "meter", "heartbeat_stopped"] in page.rows
+
+
+def test_a_verdict_without_end_is_cut_off(drawn):
+    steps = "- {at: 1, every: 0.01, times: 900, expect: {value: {0x2100: 7}}}\n"
+    verdict = Page(drawn(steps, "html").read_text("utf-8")).text["pre"].splitlines()
+    assert len(verdict) == MOST_LINES + 1
+    assert re.fullmatch(r"\.\.\. and \d+ lines more", verdict[-1])
 
 
 def test_where_nothing_went_wrong_there_are_no_tables(drawn):

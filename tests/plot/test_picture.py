@@ -8,6 +8,7 @@ import matplotlib as mpl
 import pytest
 
 from simulators.plot import look
+from simulators.plot.view import MOST_MARKS
 from simulators.replay import load
 from tests.plot.conftest import Svg, draw
 
@@ -81,6 +82,22 @@ def test_a_fault_is_a_bar_with_its_name(svg):
     assert "error(code=4660)" in svg.texts
 
 
+def test_a_fault_that_is_over_at_once_is_marked_with_its_name(drawn):
+    steps = "- {at: 5, inject: {level: {value: 7}}}\n- {at: 10, nmt: start}\n"
+    svg = Svg(drawn(steps).read_text("utf-8"))
+    assert "faults" in svg.texts
+    assert svg.text_at("level(value=7)") == pytest.approx(place_of(5) + 72 * look.PAD, abs=0.01)
+
+
+def test_of_a_crowd_of_failures_the_first_are_marked(drawn):
+    steps = "- {at: 1, every: 0.01, times: 600, expect: {value: {0x2100: 7}}}\n"
+    svg = Svg(drawn(steps).read_text("utf-8"))
+    marks = {line[0] for line in svg.lines(look.FAILED) if len(line) == 4 and line[0] == line[2]}
+    assert len(marks) == MOST_MARKS
+    assert "FAIL line 5" in svg.texts
+    assert svg.texts[-1].endswith("FAIL (600 FAIL)")
+
+
 def test_what_was_left_out_after_an_error_is_neither_a_dot_nor_a_cross(drawn):
     steps = "- {at: 1, write: {0x2102: 1}}\n- {at: 2, nmt: start}\n- {at: 3, nmt: stop}\n"
     svg = Svg(drawn(steps).read_text("utf-8"))
@@ -120,25 +137,26 @@ def test_two_runs_give_the_same_bytes(drawn, suffix):
     assert first
 
 
-PROGRAM = "import sys; from simulators.cli import main; sys.exit(main())"
+PROGRAM = """\
+import sys
+from simulators.cli import main
+for suffix in "png", "svg", "html":
+    main(["play", "gateway_power_up.yaml", "--plot", f"{sys.argv[1]}.{suffix}"])
+"""
 
 
-@pytest.mark.parametrize("suffix", ["png", "svg", "html"])
-def test_so_do_two_processes(tmp_path, suffix):
-    pictures = []
+def test_so_do_two_processes(tmp_path):
     for seed in ("1", "2"):
-        path = tmp_path / f"{seed}.{suffix}"
-        told = ["play", str(SHIPPED / "gateway_power_up.yaml"), "--plot", str(path)]
-        environment = {**os.environ, "PYTHONHASHSEED": seed}
         subprocess.run(
-            [sys.executable, "-c", PROGRAM, *told],
+            [sys.executable, "-c", PROGRAM, tmp_path / seed],
             cwd=ROOT,
-            env=environment,
+            env={**os.environ, "PYTHONHASHSEED": seed},
             stdout=subprocess.DEVNULL,
             check=True,
         )
-        pictures.append(path.read_bytes())
-    assert pictures[0] == pictures[1]
+    for suffix in ("png", "svg", "html"):
+        one, other = (tmp_path / f"{seed}.{suffix}" for seed in ("1", "2"))
+        assert one.read_bytes() == other.read_bytes()
 
 
 def test_what_somebody_has_told_matplotlib_changes_nothing(drawn):
