@@ -6,9 +6,10 @@ from pathlib import Path
 
 from simulators import devices, replay
 from simulators.errors import UserError
-from simulators.record.about import About, digest, read_about, versions
+from simulators.record.about import About, digest, read_about
 from simulators.record.events import END, HEARD, Happening, read_events
 from simulators.record.recorder import EVENTS, RUN, SCENARIO, TRACE
+from simulators.record.versions import version_now
 from simulators.replay.scenario import NodeSpec
 from simulators.wire import Frame
 
@@ -60,11 +61,11 @@ class Recorded:
     @property
     def other_versions(self) -> str:
         """What it was made with and is not the same now, in words; empty if everything is."""
-        then, now = self.about.versions, versions()
+        now = {name: version_now(name) for name in self.about.versions}
         return ", ".join(
-            f"{name} {then.get(name, 'unknown')} (now {now[name]})"
-            for name in now
-            if then.get(name) != now[name]
+            f"{name} {then} (now {now[name]})"
+            for name, then in self.about.versions.items()
+            if then != now[name]
         )
 
     def load_scenario(self) -> replay.Scenario | None:
