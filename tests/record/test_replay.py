@@ -3,18 +3,14 @@ from importlib.metadata import version
 
 import pytest
 
+from .conftest import edit
+
 LOOK = """\
 version: 1
 node: {device: topcon, node_id: 5}
 steps:
   - {at: 0.1, send: "605#4018100400000000"}
 """
-
-
-def edit(path, old, new):
-    text = path.read_text()
-    assert old in text
-    path.write_text(text.replace(old, new, 1))
 
 
 def test_a_play_is_lived_through_again(said, recorded):
