@@ -173,6 +173,7 @@ WRONG = [
     ("out.trc", ";$FILEVERSION=2.1\n1 x", "out.trc cannot be read as .trc: "),
     ("out.mf4", "x", "out.mf4 cannot be read as .mf4: "),
     ("out.log.gz", "plain", "out.log.gz cannot be read as .log: "),
+    ("out.log", "x" * 70_000, "cannot be read as .log: a line of 65536 characters or more"),
     ("trace", "x", "trace is no trace file"),
 ]
 
