@@ -249,6 +249,19 @@ def test_deadlines_are_kept_and_do_not_drift(driven, segment):
     assert max(late) - min(late) < 1e-4
 
 
+def test_what_the_last_frame_sets_off_at_once_is_done_before_the_end(driven, segment, wall):
+    done = []
+
+    def hear(frame, sender):
+        segment.clock.after(0.0, lambda: done.append(str(frame)))
+        wall.now += 1  # nothing comes after it
+
+    segment.deliver()
+    segment.listeners.append(hear)
+    driven(0.5, (0.1, "080#"))
+    assert done == ["080#"]
+
+
 def test_whether_to_stop_is_asked_every_20_ms(driven):
     assert max(driven(0.5).waits) == LONGEST_WAIT == 0.02
 

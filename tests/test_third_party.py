@@ -1,3 +1,4 @@
+import json
 import os
 import re
 import shutil
@@ -87,6 +88,17 @@ def test_its_story_is_played(python):
     assert played.returncode == 0, played.stdout + played.stderr
     assert "(0000000006.000000) can0 089#2171810000000000\n" in played.stdout
     assert "fan_blocked.twin.yaml: PASS" in played.stdout
+
+
+def test_its_record_has_the_version_of_its_package_and_can_be_replayed(python, packages):
+    install(packages, project("broken", {"a_pump": "no_such_package:Pump"}))
+    folder = packages / "record"
+    played = python("simulators", "play", "fan_blocked.twin.yaml", "--record", folder)
+    assert played.returncode == 0, played.stderr
+    versions = json.loads((folder / "run.json").read_text())["versions"]
+    assert versions["canopen-fan"] == "1.0.0"
+    assert "broken" not in versions
+    assert python("simulators", "replay", folder).returncode == 0
 
 
 def test_its_own_tests_use_a_fixture_of_its_name(python):

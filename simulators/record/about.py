@@ -1,11 +1,10 @@
 """run.json of a record: who took part, with what, and under which versions."""
 
 import json
-import platform
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import asdict
 from hashlib import sha256
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
@@ -15,10 +14,10 @@ from simulators import devices
 from simulators.device import Device
 from simulators.errors import UserError
 from simulators.memory import Memory
+from simulators.record.versions import versions
 from simulators.replay import Scenario
 
 FORMAT = 1  # of the whole record
-PACKAGES = ("canopen-twins", "canopen", "python-can")
 LARGEST_FILE = 1 << 23  # bytes; a memory is at most 1 MiB
 
 Value: TypeAlias = bool | int | float | str | None
@@ -87,7 +86,7 @@ def about(
         seed=None if scenario is None else scenario.seed,
         nodes=parts,
         files={name: digest(Path(name)) for name in sorted(_files(parts))},
-        versions=versions(),
+        versions=versions(part.device for part in parts),
     )
 
 
@@ -120,12 +119,6 @@ def digest(path: Path) -> str:
     return sha256(path.read_bytes()).hexdigest()
 
 
-def versions() -> dict[str, str]:
-    """Of everything that has a say in what is on the bus."""
-    found = {name: version(name) for name in PACKAGES}
-    return {**found, "python": platform.python_version()}
-
-
 def _damaged(path: Path, damage: Exception) -> UserError:
     return UserError(f"{path} is damaged: {damage}")
 
@@ -141,8 +134,9 @@ def _part(name: str, device: Device) -> Part:
 
 def _name(kind: type[Device]) -> str:
     for name in devices.names():
-        if devices.find(name) is kind:
-            return name
+        with suppress(UserError):  # one that is broken is somebody else
+            if devices.find(name) is kind:
+                return name
     raise UserError(f"{kind.__name__} is no device of `canopen-twin list`: it has no record")
 
 

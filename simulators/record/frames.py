@@ -2,8 +2,9 @@
 
 import gzip
 from collections.abc import Iterator
+from io import TextIOWrapper
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import IO, Any, NamedTuple
 
 import can
 from can.io.generic import BinaryIOMessageReader, TextIOMessageReader
@@ -14,6 +15,7 @@ from simulators.errors import UserError
 from simulators.wire import Frame
 
 PACKED = ".gz"
+LONGEST_LINE = 1 << 16  # characters
 
 
 class Sent(NamedTuple):
@@ -22,6 +24,18 @@ class Sent(NamedTuple):
     tick: int
     """Microseconds."""
     frame: Frame
+
+
+class Lines(TextIOWrapper):
+    """A text whose lines are as long as those of a trace, whatever it is."""
+
+    def __next__(self) -> str:  # type: ignore[override]
+        line = self.readline(LONGEST_LINE)
+        if len(line) == LONGEST_LINE:
+            raise ValueError(f"a line of {LONGEST_LINE} characters or more")
+        if not line:
+            raise StopIteration
+        return line
 
 
 READERS = {
@@ -42,19 +56,18 @@ def read_frames(path: Path) -> Iterator[Sent]:
         raise UserError(f"{path} is no trace file: its name ends in {', '.join(READERS)}")
     if not path.is_file():
         raise UserError(f"{path} is not there")
-    reader = READERS[suffixes[-1]]
-    mode = "rt" if issubclass(reader, TextIOMessageReader) else "rb"
+    kind = READERS[suffixes[-1]]
     try:
-        with _opened(path, mode) as file:
-            messages = reader(file)
-            yield from (_sent(each) for each in messages if not each.is_error_frame)
+        with _opened(path) as packed:
+            file: Any = Lines(packed, "utf-8") if issubclass(kind, TextIOMessageReader) else packed
+            yield from (_sent(each) for each in kind(file) if not each.is_error_frame)
     except Exception as damage:  # whatever a reader of python-can stumbles over
         reason = str(damage) or type(damage).__name__
         raise UserError(f"{path} cannot be read as {suffixes[-1]}: {reason}") from damage
 
 
-def _opened(path: Path, mode: str) -> Any:
-    return gzip.open(path, mode) if path.suffix == PACKED else path.open(mode)
+def _opened(path: Path) -> IO[bytes]:
+    return gzip.open(path) if path.suffix == PACKED else path.open("rb")  # type: ignore[return-value]
 
 
 def _sent(message: can.Message) -> Sent:

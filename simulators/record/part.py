@@ -14,7 +14,8 @@ SUFFIX = ".part"
 def file_part(path: Path) -> Iterator[Path]:
     """A name to write to, which is there as `path` at the end.
 
-    Whatever ends the writing early leaves the part with what there is; the next one replaces it.
+    Whatever ends the writing early leaves the part with what there is, unless that was wrong
+    input; the next one replaces it.
 
     Raises:
         UserError: it cannot be written there.
@@ -24,7 +25,11 @@ def file_part(path: Path) -> Iterator[Path]:
         if path.is_dir():
             raise UserError(f"{path} is a directory")
         part.touch()
-    yield part
+    try:
+        yield part
+    except UserError:
+        part.unlink()
+        raise
     with _told(path):
         part.replace(path)
 
@@ -57,6 +62,7 @@ def folder_part(path: Path) -> Iterator[Path]:
 
 
 def _beside(path: Path) -> Path:
+    path = path.absolute()  # `.` has no name
     return path.with_name(path.name + SUFFIX)
 
 

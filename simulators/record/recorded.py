@@ -5,10 +5,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from simulators import devices, replay
+from simulators.clock import MICROSECONDS
 from simulators.errors import UserError
-from simulators.record.about import About, digest, read_about, versions
+from simulators.record.about import About, digest, read_about
 from simulators.record.events import END, HEARD, Happening, read_events
+from simulators.record.frames import read_frames
 from simulators.record.recorder import EVENTS, RUN, SCENARIO, TRACE
+from simulators.record.versions import version_now
 from simulators.replay.scenario import NodeSpec
 from simulators.wire import Frame
 
@@ -49,22 +52,24 @@ class Recorded:
 
     @property
     def end(self) -> float:
-        """When the run was over, in seconds; of one that was cut short the last event is left."""
+        """When the run was over, in seconds; of one that was cut short the last that is told."""
         time = 0.0
         for event in self.events:
             time = event.time
             if event.kind == END:
-                break
+                return time
+        for sent in read_frames(self.trace):
+            time = max(time, sent.tick / MICROSECONDS)
         return time
 
     @property
     def other_versions(self) -> str:
         """What it was made with and is not the same now, in words; empty if everything is."""
-        then, now = self.about.versions, versions()
+        now = {name: version_now(name) for name in self.about.versions}
         return ", ".join(
-            f"{name} {then.get(name, 'unknown')} (now {now[name]})"
-            for name in now
-            if then.get(name) != now[name]
+            f"{name} {then} (now {now[name]})"
+            for name, then in self.about.versions.items()
+            if then != now[name]
         )
 
     def load_scenario(self) -> replay.Scenario | None:

@@ -24,6 +24,12 @@ steps:
 """
 
 
+def edit(path, old, new):
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+
+
 @pytest.fixture
 def said(capsys):
     """Run a command in this process: its exit code and what it said on stdout and stderr."""

@@ -4,7 +4,7 @@ import pytest
 
 from simulators.record.difference import AHEAD, compare
 
-from .conftest import STORY
+from .conftest import STORY, edit
 
 SUFFIXES = [".log", ".asc", ".blf", ".trc"]
 
@@ -126,6 +126,35 @@ def test_what_is_not_the_same_is_told_of_equal_records_too(said, recorded):
     ]
 
 
+LONG = "9" * 200
+OTHERS = [
+    ('"seed": 1', '"seed": 2', "seed: 1 in A, 2 in B"),
+    ('"kind": "play"', '"kind": "run"', "kind: play in A, run in B"),
+    (
+        '"memory": {}',
+        '"memory": {"a": {"b": 1}}',
+        "memory of topcon: {} in A, {'a': {'b': 1}} in B",
+    ),
+    ('"files": {}', '"files": {"x.yaml": "ab"}', "content of x.yaml: none in A, ab in B"),
+    ('"name": "topcon"', '"name": "t"', "device of topcon: topcon in A, none in B"),
+    ('"python": "', '"python": "9', "version of python: "),
+    (
+        '"load": "resistor 4"',
+        f'"load": "{LONG}"',
+        f"resistor 4 in A, {LONG[:120]}... in B",
+    ),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "told"), OTHERS)
+def test_every_part_of_a_run_is_compared(said, recorded, old, new, told):
+    a, b = recorded(name="a"), recorded(name="b")
+    edit(b / "run.json", old, new)
+    code, out, _ = said("diff", a, b)
+    assert code == 0
+    assert told in out
+
+
 def test_a_record_of_a_device_that_is_here_no_more_has_its_frames(said, recorded):
     folders = recorded(name="a"), recorded(STORY.replace("number: 0x23", "number: 0x24"), name="b")
     for folder in folders:
@@ -144,6 +173,7 @@ WRONG = [
     ("out.trc", ";$FILEVERSION=2.1\n1 x", "out.trc cannot be read as .trc: "),
     ("out.mf4", "x", "out.mf4 cannot be read as .mf4: "),
     ("out.log.gz", "plain", "out.log.gz cannot be read as .log: "),
+    ("out.log", "x" * 70_000, "cannot be read as .log: a line of 65536 characters or more"),
     ("trace", "x", "trace is no trace file"),
 ]
 

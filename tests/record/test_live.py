@@ -85,3 +85,15 @@ def test_everybody_of_a_bench_file_is_recorded_in_their_order(live, said, tmp_pa
 def test_a_live_run_has_a_trace_file_too(live, tmp_path):
     live(work, "topcon", "-n", "5", "--trace", tmp_path / "out.trc")
     assert " Rx -  8    40 00 10 00" in (tmp_path / "out.trc").read_text()
+
+
+def test_a_live_run_that_was_cut_short_is_lived_through_as_far(live, said, tmp_path):
+    assert live(work, "topcon", "-n", "5", "--record", tmp_path / "record")[0] == 0
+    events = tmp_path / "record" / "events.jsonl"
+    *lines, end = events.read_text().splitlines(keepends=True)
+    assert '"kind": "end"' in end
+    events.write_text("".join(lines))
+    code, out, err = said("replay", tmp_path / "record")
+    assert (code, out) == (1, (tmp_path / "record" / "trace.log").read_text())
+    assert "record       no more events\nreplay " in err
+    assert "  -           the run is over\n" in err

@@ -89,6 +89,12 @@ def test_a_record_replaces_nothing(said, story, tmp_path, prepare, told):
     assert told in err
 
 
+def test_a_directory_that_is_full_may_be_the_one_we_are_in(said, story, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    code, _, err = said("play", story(), "--record", ".")
+    assert (code, err) == (2, "canopen-twin: . exists: a record has a directory of its own\n")
+
+
 def test_where_there_is_no_directory_there_is_no_record(said, story, tmp_path):
     code, _, err = said("play", story(), "--record", tmp_path / "nowhere" / "record")
     assert code == 2
@@ -121,6 +127,7 @@ def test_a_run_that_is_cut_short_leaves_a_part(story, tmp_path):
 
 
 def test_a_run_that_never_began_leaves_nothing(said, tmp_path):
-    options = ("-i", "slcan", "-c", "/nowhere", "--real-bus", "--record", tmp_path / "record")
-    assert said("run", "topcon", *options)[0] == 2
+    bus = ("-i", "slcan", "-c", "/nowhere", "--real-bus")
+    kept = ("--record", tmp_path / "record", "--trace", tmp_path / "trace.log")
+    assert said("run", "topcon", *bus, *kept)[0] == 2
     assert list(tmp_path.iterdir()) == []

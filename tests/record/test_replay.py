@@ -3,18 +3,14 @@ from importlib.metadata import version
 
 import pytest
 
+from .conftest import edit
+
 LOOK = """\
 version: 1
 node: {device: topcon, node_id: 5}
 steps:
   - {at: 0.1, send: "605#4018100400000000"}
 """
-
-
-def edit(path, old, new):
-    text = path.read_text()
-    assert old in text
-    path.write_text(text.replace(old, new, 1))
 
 
 def test_a_play_is_lived_through_again(said, recorded):
@@ -79,6 +75,35 @@ def test_other_versions_are_told_before(said, recorded, caplog):
     edit(folder / "run.json", f'"canopen": "{version("canopen")}"', '"canopen": "1.0"')
     assert said("replay", folder)[0] == 0
     assert caplog.messages == [f"{folder} was made with canopen 1.0 (now {version('canopen')})"]
+
+
+MANY = """\
+version: 1
+seed: 7
+bit_rate: 125000
+nodes:
+  right: {device: topcon, node_id: 6}
+  left: {device: charger, node_id: 5}
+steps:
+  - {at: 0.3, node: right, inject: {heartbeat_jitter: {seconds: 0.05}}}
+  - {at: 0.3, node: right, write: {Producer Heartbeat Time: 100}}
+  - {at: 0.4, node: left, inject: {bus_load: {percent: 40, kilobits: 125}}, for: 0.2}
+  - {when: {heartbeat: any, nth: 3}, node: right, nmt: start}
+  - {after: 0.5, node: right, expect: {state: operational, within: 0.1}}
+cleanup:
+  - {after: 0.1, node: right, clear: all}
+"""
+
+
+def test_everything_a_scenario_can_do_is_lived_through_again(said, recorded, tmp_path):
+    (tmp_path / "story.yaml").write_text(MANY)
+    said("play", tmp_path / "story.yaml", "--record", tmp_path / "record")
+    told = json.loads((tmp_path / "record" / "run.json").read_text())
+    assert told["seed"] == 7
+    assert [node["name"] for node in told["nodes"]] == ["right", "left"]
+    trace = (tmp_path / "record" / "trace.log").read_text()
+    assert trace.count(" 7FE#") > 20
+    assert said("replay", tmp_path / "record")[:2] == (0, trace)
 
 
 WRONG = [
