@@ -1,11 +1,12 @@
 """What is shown of the moment at which something was not as it should be."""
 
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from simulators.node import Node
 from simulators.report import SHOWN, device_story, last_frames
 from simulators.segment import Record
+from simulators.wire import Frame
 
 AFTERWARDS = 5  # frames
 
@@ -42,19 +43,20 @@ class Scene:
 class Scenes:
     """Keeps the last frames, and the scenes that are waiting for the next ones.
 
-    `since` is where the time of the scenario begins, in seconds of the clock.
+    `time` gives the seconds of the scenario for a microsecond of the clock.
     """
 
-    def __init__(self, nodes: Mapping[str, Node]) -> None:
-        self.since = 0.0
+    def __init__(self, nodes: Mapping[str, Node], time: Callable[[int], float]) -> None:
         self._nodes = nodes
-        self._recent: deque[Record] = deque(maxlen=SHOWN)
+        self._time = time
+        self._recent: deque[tuple[int, Frame, str]] = deque(maxlen=SHOWN)
         self._open: list[Scene] = []
 
-    def hear(self, record: Record) -> None:
+    def hear(self, tick: int, frame: Frame, sender: str) -> None:
         """Take a frame."""
-        self._recent.append(record)
+        self._recent.append((tick, frame, sender))
         if self._open:
+            record = Record(self._time(tick), frame, sender)
             for scene in self._open:
                 scene.hear(record)
             self._open = [scene for scene in self._open if not scene.complete]
@@ -67,9 +69,9 @@ class Scenes:
 
     def look(self, time: float, about: str, wanted: str) -> Scene:
         """The scene of this moment, as it is: what was wanted, of the node it is about."""
-        recent = tuple(self._recent)
+        records = [Record(self._time(tick), frame, sender) for tick, frame, sender in self._recent]
         stories = [
-            device_story(node, recent, self.since, wanted if name == about else "")
+            device_story(node, records, -self._time(0), wanted if name == about else "")
             for name, node in self._nodes.items()
         ]
-        return Scene(recent, tuple(self._nodes.values()), time, stories)
+        return Scene(records, tuple(self._nodes.values()), time, stories)
