@@ -70,7 +70,7 @@ class Player:
 
     def start(self) -> None:
         """The scenario begins now; its first steps come with the next move of the clock."""
-        self._begin, self._scenes.since = self._clock.ticks, self._clock.now
+        self._begin = self._clock.ticks
         self._segment.listeners.append(self._hear)
         for name, node in self._nodes.items():
             node.listeners.append(partial(self._tell_state, name))

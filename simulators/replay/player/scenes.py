@@ -43,12 +43,10 @@ class Scene:
 class Scenes:
     """Keeps the last frames, and the scenes that are waiting for the next ones.
 
-    `time` gives the seconds of the scenario for a microsecond of the clock, `since` is where they
-    begin, in seconds of the clock.
+    `time` gives the seconds of the scenario for a microsecond of the clock.
     """
 
     def __init__(self, nodes: Mapping[str, Node], time: Callable[[int], float]) -> None:
-        self.since = 0.0
         self._nodes = nodes
         self._time = time
         self._recent: deque[tuple[int, Frame, str]] = deque(maxlen=SHOWN)
@@ -71,9 +69,9 @@ class Scenes:
 
     def look(self, time: float, about: str, wanted: str) -> Scene:
         """The scene of this moment, as it is: what was wanted, of the node it is about."""
-        recent = [Record(self._time(tick), frame, sender) for tick, frame, sender in self._recent]
+        records = [Record(self._time(tick), frame, sender) for tick, frame, sender in self._recent]
         stories = [
-            device_story(node, recent, self.since, wanted if name == about else "")
+            device_story(node, records, -self._time(0), wanted if name == about else "")
             for name, node in self._nodes.items()
         ]
-        return Scene(recent, tuple(self._nodes.values()), time, stories)
+        return Scene(records, tuple(self._nodes.values()), time, stories)
