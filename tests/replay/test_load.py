@@ -95,10 +95,6 @@ def test_without_a_device_keys_and_times_are_checked_all_the_same(problems):
         ("{device: topcon, settings: {firmware: 4.20}}", "2:45: setting 'firmware' wants a text"),
         ("{device: topcon, settings: {node_id: 5}}", "2:35: the node id stands beside the"),
         ("{device: topcon, settings: {load: [a]}}", "2:41: one value is wanted here"),
-        (
-            "{device: topcon, settings: {power_on_voltage: 3000, set_value_range: 2000}}",
-            "2:7: setting 'power_on_voltage' is above 'set_value_range'",
-        ),
     ],
 )
 def test_a_node_that_cannot_take_part_is_pointed_at(problems, node, problem):
