@@ -13,7 +13,7 @@ from simulators.why.sections import Sections, sections
 from simulators.why.silence import missing, silence
 from simulators.why.view import View
 
-__all__ = ["TOLD", "Sections", "View", "sections", "why"]
+__all__ = ["TOLD", "Sections", "sections", "why"]
 
 TOLD = 6  # lines about frames
 

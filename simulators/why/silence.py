@@ -6,7 +6,7 @@ from math import inf
 from simulators.objects import Rejected
 from simulators.services import State
 from simulators.services import cob_id as cob_ids
-from simulators.services.emcy import EmcyProducer, emcy_id
+from simulators.services.emcy import emcy_id
 from simulators.services.mapping import mapped
 from simulators.services.pdo import COB_ID, SYNCHRONOUS, TRANSMISSION_TYPE
 from simulators.services.tpdo import Tpdo
@@ -103,13 +103,11 @@ def _heartbeat(view: View, slave: Slave) -> str:
 
 
 def _emcy(view: View, slave: Slave) -> str:
-    state = view.node.state
-    if state is State.STOPPED:
+    if view.node.state is State.STOPPED:
         return f"no EMCY: the node is stopped{view.service('states')}"
     if emcy_id(slave) is None:
         return f"no EMCY: bit 31 of {view.named((0x1014, 0))} is set"
-    active = view.node.log.active if state in EmcyProducer.active_in else ()
-    if not active:
+    told = ", ".join(f"{emcy.code:04X}h {emcy.label}".strip() for emcy in view.node.log.active)
+    if not told:
         return f"no error is active{view.service('emcy')}"
-    told = ", ".join(f"{emcy.code:04X}h {emcy.label}".strip() for emcy in active)
     return f"active, and told when they came: {told}{view.service('emcy')}"
