@@ -36,10 +36,9 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _run(options: argparse.Namespace, wishes: Wishes) -> int:
-    if (options.json or options.junit) and not options.scenario:
+    segment, announcer = Segment(), Announcer(options)
+    if announcer.wanted and not options.scenario:
         raise UserError("--json and --junit tell of a verdict: say which with --scenario")
-    announcer = Announcer(options)
-    segment = Segment()
     scenario = load(options.scenario) if options.scenario else None
     devices = cast(options, scenario)
     nodes = {name: segment.node(device, name) for name, device in devices.items()}
@@ -56,7 +55,7 @@ def _run(options: argparse.Namespace, wishes: Wishes) -> int:
                 lambda: bool(wishes) or (player is not None and player.done),
                 lambda: print(json.dumps(ready), flush=True),
             )
-        return _told(player, announcer, wishes)
+        return wishes.code if player is None else _told(player, announcer, wishes)
 
 
 def _begin(segment: Segment, player: replay.Player | None, observers: Iterable[Observer]) -> None:
@@ -78,13 +77,14 @@ def _off_in_the_end(segment: Segment) -> Iterator[None]:
             node.power_off()
 
 
-def _told(player: replay.Player | None, announcer: Announcer, wishes: Wishes) -> int:
-    if player is not None and (player.done or announcer.wanted):
+def _told(player: replay.Player, announcer: Announcer, wishes: Wishes) -> int:
+    """Programs hear of a run that was stopped before its end, too."""
+    if player.done or announcer.wanted:
         announcer.tell(player.verdict)
         announcer.end()
-    if player is not None and player.done:
-        return OK if player.verdict.ok else FAILED
-    return wishes.code
+    if not player.done:
+        return wishes.code
+    return OK if player.verdict.ok else FAILED
 
 
 def _opening(bus: Place, segment: Segment) -> OpenBus:
