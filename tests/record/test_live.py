@@ -43,6 +43,36 @@ def test_a_live_run_with_a_scenario_is_lived_through_again(live, said, story, tm
     assert err.startswith("the same ")
 
 
+TWO = """\
+version: 1
+nodes:
+  zulu: {device: topcon, node_id: 5}
+  alpha: {device: topcon, node_id: 6}
+steps:
+  - {at: 0, node: alpha, expect: {nmt: start, within: 5}}
+  - {when: {nmt: start}, node: alpha, inject: {error: {number: 0x23}}}
+  - {when: {emcy: any}, node: alpha, expect: {nmt: stop, within: 5}}
+  - {after: 0.01, node: zulu, write: {Producer Heartbeat Time: 10}}
+  - {after: 0, node: zulu, expect: {nmt: pre-operational, within: 5}}
+"""
+
+
+def test_what_a_master_sets_off_in_a_scenario_is_lived_through_again(live, said, story, tmp_path):
+    def react(master):
+        master.hear("705#00")
+        master.send("000#0106")
+        master.hear("086#")
+        master.send("000#0206")
+        for _ in range(6):
+            master.hear("705#7F")
+
+    options = ("--scenario", story(TWO), "--record", tmp_path / "record")
+    assert live(react, *options)[0] == 0
+    assert '"kind": "inject"' in (tmp_path / "record" / "events.jsonl").read_text()
+    trace = (tmp_path / "record" / "trace.log").read_text()
+    assert said("replay", tmp_path / "record")[:2] == (0, trace)
+
+
 def test_what_was_in_the_memory_is_part_of_the_record(live, said, tmp_path):
     def store(master):
         master.hear("705#00")

@@ -46,8 +46,8 @@ def line():
 
 
 def test_a_line_is_written_each_half_second_and_cleared_at_the_end(line, story):
-    seen = line(story, 0.1)
-    assert told(seen) == [f"{now} of 20 s simulated" for now in (5, 10, 15)] + [""]
+    seen = line(story, 0.09)
+    assert told(seen) == [f"{now} of 20 s simulated" for now in (6, 12, 18)] + [""]
     assert "\n" not in seen.getvalue()
 
 
