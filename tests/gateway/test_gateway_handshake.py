@@ -95,6 +95,18 @@ def test_12412_is_told_in_preoperational_until_operational_or_until_it_is_cleare
     assert rig.word == 0
 
 
+@pytest.mark.spec("G-025", "G-141")
+def test_a_gateway_that_has_never_heard_its_governor_is_initialised_after_its_reset(plain):
+    rig = plain()
+    rig.system.link.to[Unit.GATEWAY].cut = True
+    rig.system.power_on()
+    rig.run(1.25)
+    rig.system.link.to[Unit.GATEWAY].cut = False
+    assert rig.run(2.0) == []
+    rig.gateway.reset()
+    assert [message for _, message in rig.run(0.3)] == [BootUp()]
+
+
 @pytest.mark.spec("G-027")
 def test_a_lost_init_telegram_costs_one_attempt(plain):
     rig = plain()
