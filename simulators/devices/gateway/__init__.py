@@ -139,7 +139,7 @@ class Device(device.Device):
         """The EDS with what the handshake has created, or will create (A-03)."""
         od = super().dictionary()
         fill(od, self.system.dictionary or self.system.planned)
-        identify(od, self._parameters, self.system.gateway.shown)
+        identify(od, self._parameters, self.system.gateway)
         return od
 
     def pdos(self, slave: Slave) -> Iterable[Service]:
