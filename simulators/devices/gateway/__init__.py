@@ -9,6 +9,7 @@ from simulators.devices.gateway import delivery
 from simulators.devices.gateway.dcdesk import DcDesk
 from simulators.devices.gateway.emergencies import emergencies
 from simulators.devices.gateway.faults import faults
+from simulators.devices.gateway.messages import MESSAGES
 from simulators.devices.gateway.model.state import MasterCommand
 from simulators.devices.gateway.model.store import Store
 from simulators.devices.gateway.model.system import System
@@ -20,6 +21,7 @@ from simulators.devices.gateway.report import report
 from simulators.devices.gateway.settings import Settings
 from simulators.devices.gateway.traffic import STATES, Disturbance, Traffic
 from simulators.faults import Fault
+from simulators.messages import Message
 from simulators.objects import Address, Object
 from simulators.services import Service, State
 from simulators.services.emcy import Emcy
@@ -124,6 +126,11 @@ class Device(device.Device):
         """None, as the device; with the extension what 2005h and 1001h tell (A-01)."""
         wanted = self.settings.emcy == "assumed"
         return emergencies(self.system, self.node_id) if wanted else ()
+
+    @property
+    def messages(self) -> Mapping[str, Message]:
+        """The bits of 2005h."""
+        return MESSAGES
 
     @property
     def faults(self) -> Mapping[str, Fault]:
