@@ -94,6 +94,9 @@ def parser() -> argparse.ArgumentParser:
     ):
         command = _command(commands, name, text, "scenarios", name)
         command.add_argument("scenarios", nargs="+", metavar="SCENARIO", help=SCENARIO)
+    text = "print the JSON Schema of scenarios or of bench files, for editors"
+    command = _command(commands, "schema", text, "schema", "schema")
+    command.add_argument("file", nargs="?", choices=("scenario", "bench"), default="scenario")
     _vcan(commands)
     return top
 

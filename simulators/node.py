@@ -4,7 +4,7 @@
 there acts on the model. Then every service publishes what has changed. Nothing calls upwards.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from math import inf, isfinite
 
@@ -38,6 +38,7 @@ class Node:
         self._before: Slave | None = None
         self._afresh = True  # the next boot is one of the application, not of communication alone
         self.log = EmcyLog()
+        self.listeners: list[Callable[[State], None]] = [device.on_state]  # hear of every state
         self._cycle = microseconds(device.cycle)
         self._stepped = clock.ticks
         self._wake: float = inf
@@ -185,7 +186,7 @@ class Node:
             self.log = EmcyLog()
         elif self._before is not None:
             slave.keep_application(self._before)
-        self._stack = Stack(slave, device, self.log)
+        self._stack = Stack(slave, device, self.log, self.listeners)
         area = EVERYTHING if self._afresh else COMMUNICATION_AREA
         recall(slave, device.memory, device.stored, area)
         self._stack.boot_up()

@@ -52,6 +52,7 @@ class Slave(LocalNode):
         self.profile = profile or Profile()
         self.entries: dict[int, dict[int, Entry]] = {}
         self.on_communication_change: Callable[[], None] = lambda: None
+        self.changes = 0  # of the communication area, for whoever has worked something out from it
         self.dummies: dict[int, int] = {}  # those the EDS allows, with their bits
         for index, item in od.indices.items():
             if index in DUMMIES:
@@ -116,6 +117,7 @@ class Slave(LocalNode):
             self.check_length(entry, len(data))
         entry.write(data)
         if 0x1000 <= entry.address[0] < 0x2000:
+            self.changes += 1
             self.on_communication_change()
 
     def check_length(self, entry: Entry, length: int) -> None:

@@ -1,6 +1,6 @@
 """The services of one slave, from one boot to the next: who hears what, who has news."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from simulators.device import Device
 from simulators.services import Handler, Heard, Service, State
@@ -20,13 +20,20 @@ class Stack:
     it is, so that a frame finds its handlers with one look.
     """
 
-    def __init__(self, slave: Slave, device: Device, log: EmcyLog) -> None:
+    def __init__(
+        self,
+        slave: Slave,
+        device: Device,
+        log: EmcyLog,
+        listeners: Sequence[Callable[[State], None]],
+    ) -> None:
         self.slave = slave
         self.state = State.INITIALISING
         self.routes: dict[Heard, list[Handler]] = {}
         self.publishers: list[Callable[[], None]] = []
         self.stale = False  # something in the communication area has changed
         self._device = device
+        self._listeners = listeners
         self._nmt = Nmt(slave)
         self._heartbeat = HeartbeatProducer(slave)
         self._services: list[Service] = [
@@ -75,11 +82,15 @@ class Stack:
     def close(self) -> None:
         """Fall silent."""
         self.slave.clock.close()
-        self._device.on_state(State.INITIALISING)
+        self._tell(State.INITIALISING)
+
+    def _tell(self, state: State) -> None:
+        for listener in self._listeners:
+            listener(state)
 
     def _announce(self, state: State) -> None:
         self.state = state
-        self._device.on_state(state)
+        self._tell(state)
         for service in self._services:
             service.on_state(state)
         self._derive()

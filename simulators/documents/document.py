@@ -118,13 +118,6 @@ class Item:
                     raise pair.key.wrong(f"{again}; leave one of them out")
         return pairs
 
-    @property
-    def some_pairs(self) -> Mapping[str, Pair]:
-        """The same, where nothing at all would say nothing."""
-        if not (pairs := self.pairs):
-            raise self.wrong("empty; at least one key with a value is wanted here")
-        return pairs
-
     def fields(self, required: Collection[str], optional: Iterable[str] = ()) -> dict[str, "Item"]:
         """The values of known keys.
 
@@ -141,20 +134,6 @@ class Item:
             if key not in known:
                 self.problems.add(pair.key.mark, str(unknown("key", key, known)))
         return {key: pair.value for key, pair in pairs.items() if key in known}
-
-    def choice(self, what: str, fields: Collection[str], kinds: Iterable[str]) -> str:
-        """The one key of several kinds that is among known fields.
-
-        Raises:
-            UserError: there is none, or more than one.
-        """
-        chosen = [kind for kind in kinds if kind in fields]
-        if len(chosen) == 1:
-            return chosen[0]
-        if not chosen and len(fields) < len(self.pairs):
-            raise Noted  # as an unknown key, which may have been meant
-        told = f"{' and '.join(chosen)} at once" if chosen else f"nothing to {what}"
-        raise self.wrong(f"{told}: a step has one of {', '.join(kinds)}")
 
     def one_of(self, what: str, known: Collection[str]) -> str:
         """One word out of several."""

@@ -6,11 +6,12 @@ Bench files say in the same words who else is on a bus.
 from simulators.documents.problems import DocumentError as ScenarioError
 from simulators.replay.load import load, load_bench
 from simulators.replay.play import play
-from simulators.replay.player import Player
+from simulators.replay.player import Event, Player
 from simulators.replay.scenario import Scenario
 from simulators.replay.verdict import Kind, Outcome, Verdict
 
 __all__ = [
+    "Event",
     "Kind",
     "Outcome",
     "Player",

@@ -1,18 +1,13 @@
-"""Reads scenarios and bench files: all that is wrong at once, before anything is on a bus."""
+"""Scenarios and bench files, by their paths; pydantic is imported when the first one is read."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from simulators import devices
-from simulators.documents.document import Item, read
-from simulators.documents.problems import Problems
-from simulators.replay.cast import Find, read_node
-from simulators.replay.rehearsal import Rehearsal
+from simulators.device import Device
 from simulators.replay.scenario import NodeSpec, Scenario
-from simulators.replay.steps import StepReader
-from simulators.segment import Segment
 
-VERSION = 1
+Find = Callable[[str], type[Device]]
 
 
 def load(path: Path, find: Find = devices.find) -> Scenario:
@@ -25,27 +20,9 @@ def load(path: Path, find: Find = devices.find) -> Scenario:
     Raises:
         ScenarioError: with a line for everything that is wrong.
     """
-    problems = Problems(str(path))
-    fields = read(path, problems).fields(("version", "node", "steps"), ("name", "note"))
-    if version := fields.get("version"):
-        with problems.at(version):
-            _check(version)
-    texts = {"name": path.stem, "note": ""}
-    for key, text in fields.items():
-        if key in texts:
-            with problems.at(text):
-                texts[key] = text.text
-    nodes: dict[str, NodeSpec] = {}
-    if node := fields.get("node"):
-        with problems.at(node):
-            nodes = dict([read_node(node, find)])
-    reader = _reader(nodes)
-    if steps := fields.get("steps"):
-        with problems.at(steps):
-            for step in steps.items:
-                reader.read(step)
-    problems.settle()
-    return Scenario(path, texts["name"], texts["note"], nodes, tuple(reader.steps))
+    from simulators.replay.reading.story import read_scenario  # noqa: PLC0415
+
+    return read_scenario(path, find)
 
 
 def load_bench(path: Path, find: Find = devices.find) -> Mapping[str, NodeSpec]:
@@ -58,29 +35,6 @@ def load_bench(path: Path, find: Find = devices.find) -> Mapping[str, NodeSpec]:
     Raises:
         ScenarioError: with a line for everything that is wrong; two nodes may have one node id.
     """
-    problems = Problems(str(path))
-    fields = read(path, problems).fields(("version", "nodes"), ("note",))
-    if version := fields.get("version"):
-        with problems.at(version):
-            _check(version)
-    nodes: dict[str, NodeSpec] = {}
-    if given := fields.get("nodes"):
-        segment = Segment()
-        with problems.at(given):
-            for name, pair in given.some_pairs.items():
-                with problems.at(pair.key):
-                    _, nodes[name] = read_node(pair.value, find)
-                    segment.node(nodes[name].create(), name)
-    problems.settle()
-    return nodes
+    from simulators.replay.reading.story import read_bench  # noqa: PLC0415
 
-
-def _check(version: Item) -> None:
-    if version.whole != VERSION:
-        raise version.wrong(f"version {version.text} is unknown; this program reads {VERSION}")
-
-
-def _reader(nodes: dict[str, NodeSpec]) -> StepReader:
-    for name, spec in nodes.items():
-        return StepReader(name, Rehearsal(spec.create()))
-    return StepReader("", None)
+    return read_bench(path, find)

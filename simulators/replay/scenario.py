@@ -1,28 +1,50 @@
-"""A scenario as it is played: nodes, and steps in the order of their times."""
+"""A scenario as it is played: nodes, and steps with their moments."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar, NamedTuple
+from typing import TYPE_CHECKING
 
 from simulators.device import Device
-from simulators.node import Node
-from simulators.replay.master import Master
-from simulators.replay.verdict import Finding
-from simulators.wire import Frame
+from simulators.replay.signs import Sign
+
+if TYPE_CHECKING:
+    from simulators.replay.stage import Stage
 
 
-class Stage(NamedTuple):
-    """What a step acts on, and whom it tells."""
+@dataclass(frozen=True)
+class At:
+    """A time of the scenario."""
 
-    node: Node
-    master: Master
-    report: Callable[[Finding], None]
-    """Takes what has been decided at once."""
-    watch: Callable[[Expectation], None]
-    """Takes what will be decided."""
+    seconds: float
+
+
+@dataclass(frozen=True)
+class After:
+    """So long after the step above has been carried out, the last time if it is repeated."""
+
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Condition:
+    """The moment at which a sign of a node is seen for the n-th time.
+
+    It is watched for from the moment the step above begins, and behind what set that one off.
+    """
+
+    what: Sign
+    node: str
+    """The name of the node it is a sign of."""
+    nth: int = 1
+
+    def __str__(self) -> str:
+        return f"{self.what}{f' ({self.nth} times)' if self.nth > 1 else ''}"
+
+
+Moment = At | After | Condition
 
 
 class Action:
@@ -41,37 +63,6 @@ class Action:
 
 
 @dataclass(frozen=True)
-class Expectation(Action):
-    """What should be seen of a node within a time, beginning with the moment of its step.
-
-    Whatever is sent at that moment counts, before the step's turn or after; so does what is sent
-    at the last moment. A look at the dictionary shows it as it is when a moment is over.
-    """
-
-    within: float
-    """Seconds."""
-
-    looks: ClassVar[bool] = False
-    """Whether it looks at the dictionary, beside hearing frames."""
-
-    def carry_out(self, stage: Stage) -> None:
-        """Watch from now on."""
-        stage.watch(self)
-
-    def on_frame(self, frame: Frame, node: Node) -> Finding | None:
-        """What a frame of the node decides."""
-        return None
-
-    def on_look(self, node: Node) -> Finding | None:
-        """What a look at the node decides, once a cycle of its device."""
-        return None
-
-    def at_end(self, frames: list[Frame], node: Node) -> Finding:
-        """What remains to be said when the time is over, with the frames of the node in it."""
-        raise NotImplementedError
-
-
-@dataclass(frozen=True)
 class NodeSpec:
     """A device and the settings it is delivered with."""
 
@@ -85,16 +76,19 @@ class NodeSpec:
 
 @dataclass(frozen=True)
 class Step:
-    """One action at its time."""
+    """One action at its moment, perhaps repeated."""
 
-    at: float
-    """Seconds from the beginning."""
+    moment: Moment
     node: str
-    """The name of the node that it is about."""
+    """The name of the node that it is about; empty if it is about none."""
     action: Action
     note: str
     line: int
     """Of the file."""
+    every: float = 0.0
+    """Seconds from one repetition to the next."""
+    times: int = 1
+    """How often it is carried out altogether."""
 
 
 @dataclass(frozen=True)
@@ -106,12 +100,13 @@ class Scenario:
     note: str
     nodes: Mapping[str, NodeSpec]
     steps: tuple[Step, ...]
-
-    @property
-    def duration(self) -> float:
-        """Seconds until the last step is done and the last expectation decided."""
-        return max((step.at + _lasts(step.action) for step in self.steps), default=0.0)
-
-
-def _lasts(action: Action) -> float:
-    return action.within if isinstance(action, Expectation) else 0.0
+    cleanup: tuple[Step, ...] = ()
+    """Carried out in the end, whatever came of the steps; the first one's moment is `After`."""
+    covers: tuple[str, ...] = ()
+    """The statements it is about."""
+    seed: int = 1
+    """What the file gives, or would have given; the reader has put it where it belongs."""
+    duration: float = 0.0
+    """Seconds that the run lasts at least."""
+    bit_rate: int | None = None
+    """In bit/s, for the simulated bus; None: frames take no time."""

@@ -9,6 +9,8 @@ class Kind(StrEnum):
     """How an expectation or a step ended, from good to bad."""
 
     PASS = "PASS"
+    SKIP = "SKIP"
+    """It was left out, because of an error before it or because it cannot be done here."""
     FAIL = "FAIL"
     """Something else came than was expected."""
     ERROR = "ERROR"
@@ -53,8 +55,8 @@ class Verdict:
 
     @property
     def ok(self) -> bool:
-        """Whether everything has come as expected."""
-        return self.kind is Kind.PASS
+        """Whether everything that was not left out has come as expected."""
+        return self.kind in (Kind.PASS, Kind.SKIP)
 
     def __str__(self) -> str:
         """A line for the whole, one for each outcome, and the scene of what did not pass."""

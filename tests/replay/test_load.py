@@ -1,6 +1,8 @@
 import pytest
 from probe import Probe
 
+from simulators.replay.scenario import At
+
 
 def test_a_file_says_who_takes_part_and_what_happens_when(loaded):
     scenario = loaded(
@@ -19,9 +21,8 @@ def test_a_file_says_who_takes_part_and_what_happens_when(loaded):
     assert (scenario.name, scenario.note) == ("A story", "Of a probe.")
     assert {name: spec.device for name, spec in scenario.nodes.items()} == {"probe": Probe}
     assert scenario.nodes["probe"].create().node_id == 7
-    steps = [(step.at, step.node, step.line, step.note) for step in scenario.steps]
-    assert steps == [(0.5, "probe", 6, "Why not."), (1.0, "probe", 9, "")]
-    assert scenario.duration == 3.5
+    steps = [(step.moment, step.node, step.line, step.note) for step in scenario.steps]
+    assert steps == [(At(0.5), "probe", 6, "Why not."), (At(1.0), "probe", 9, "")]
 
 
 def test_a_scenario_without_a_name_has_that_of_its_file(loaded):
@@ -108,13 +109,16 @@ def test_a_node_that_cannot_take_part_is_pointed_at(problems, node, problem):
         ("# nothing\n", "1:1: an empty file; the first line is version: 1"),
         ("- 1\n", "1:1: a key with a value is wanted here, such as {key: value}"),
         ("{node: {device: probe}, steps: []}", "1:1: 'version' is missing"),
-        ("{version: 1, steps: []}", "1:1: 'node' is missing"),
+        ("{version: 1, steps: []}", "1:1: nothing says who takes part: a scenario"),
         ("{version: 1, node: {device: probe}}", "1:1: 'steps' is missing"),
         ("{version: 1.5, node: {device: probe}, steps: []}", "1:11: 1.5 is no whole number"),
         ("{version: '1', node: {device: probe}, steps: []}", "1:11: '1' is no number"),
         ("{version: 1, node: {device: probe}, steps: 5}", "1:44: a list is wanted here"),
         ("{version: 1, node: {device: probe}, steps: [5]}", "1:45: a key with a value is"),
-        ("{version: 1, nodes: {}, node: {device: probe}, steps: []}", "1:14: unknown key 'nodes'"),
+        (
+            "{version: 1, nodes: {a: {device: probe}}, node: {device: topcon}, steps: []}",
+            "1:1: node and nodes at once: a scenario has one of node, nodes",
+        ),
         ("{version: 1, name: [], node: {device: probe}, steps: []}", "1:20: one value is"),
     ],
 )

@@ -45,15 +45,20 @@ def test_a_write_that_is_refused_unexpectedly_is_an_error_and_ends_its_step(play
     assert len([frame for frame in frames if " 605#" in frame]) == 2
 
 
-def test_a_write_without_answer_is_an_error_or_no_refusal(played):
+def test_a_write_without_answer_is_no_refusal(played):
     _, outcomes = played(
         """\
         - {at: 1, nmt: stop}
-        - {at: 2, write: {Byte: 1}}
         - {at: 3, write: {Limited: 101}, abort: 0x06090031}
         """
     )
-    assert outcomes == ["ERROR 2 Byte is not answered", "FAIL 3 Limited is not answered"]
+    assert outcomes == ["FAIL 4 Limited is not answered"]
+
+
+def test_a_write_without_answer_in_time_is_an_error(played):
+    frames, outcomes = played("- {at: 1, nmt: stop}\n- {at: 2, write: {Byte: 1, Word: 2}}\n")
+    assert outcomes == ["ERROR 3 Byte is not answered"]
+    assert frames[-1] == "3 605#8000200000000405"
 
 
 @pytest.mark.parametrize(

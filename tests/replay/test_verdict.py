@@ -69,5 +69,8 @@ def test_the_scene_is_that_of_the_moment_it_went_wrong(story):
     )
     *frames, state, faults = verdict.outcomes[0].scene.splitlines()
     times = [float(line.split()[0]) for line in frames]
-    assert (len(times), times[-1]) == (SHOWN, 2.0)
+    before, mark, after = times[:SHOWN], times[SHOWN], times[SHOWN + 1 :]
+    assert (before[-1], mark) == (2.0, 2.0)
+    assert after == [2.01, 2.02, 2.03, 2.04, 2.05]
+    assert frames[SHOWN].endswith("---- here")
     assert (state, faults) == ("probe: node 5, PRE-OPERATIONAL", "  faults: none")

@@ -13,14 +13,13 @@ from canopen.objectdictionary.datatypes import (
 from simulators.documents.document import Item
 from simulators.documents.yaml_nodes import Scalar
 from simulators.errors import UserError
-from simulators.replay.master import EXPEDITED_ROOM
 
 
 def encode(variable: ODVariable, item: Item, limited: bool) -> bytes:
     """A value of the file as it goes to an object; `limited` also by the limits of the EDS.
 
     Raises:
-        UserError: it is of another type, out of the limits, or longer than four bytes.
+        UserError: it is of another type, or out of the limits.
     """
     data_type = variable.data_type or 0
     if data_type == VISIBLE_STRING:
@@ -37,7 +36,15 @@ def encode(variable: ODVariable, item: Item, limited: bool) -> bytes:
     return _fit(item, lambda: ODVariable.STRUCT_TYPES[data_type].pack(value))
 
 
-def check_access(variable: ODVariable) -> None:
+def check_readable(variable: ODVariable) -> None:
+    """Raises `UserError` if the EDS lets nobody read an object."""
+    if not variable.readable:
+        raise UserError(
+            f"{variable.name!r} is write only; if that is the point, put abort: 0x06010001 beside"
+        )
+
+
+def check_writable(variable: ODVariable) -> None:
     """Raises `UserError` if the EDS lets nobody write an object."""
     if not variable.writable:
         raise UserError(
@@ -59,9 +66,6 @@ def _check_range(variable: ODVariable, item: Item, limited: bool) -> None:
 
 def _fit(item: Item, pack: Callable[[], bytes]) -> bytes:
     try:
-        data = pack()
+        return pack()
     except (ValueError, OverflowError):
         raise item.wrong(f"{item.text!r} does not fit this object") from None
-    if len(data) > EXPEDITED_ROOM:
-        raise item.wrong(f"{len(data)} bytes: a scenario writes objects of up to {EXPEDITED_ROOM}")
-    return data

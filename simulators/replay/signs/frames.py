@@ -1,11 +1,12 @@
-"""Which frames of a node are meant."""
+"""Frames of a node or of the master."""
 
+import re
 from dataclasses import dataclass
 from functools import cached_property
-from re import Pattern as Expression
-from typing import Protocol
+from re import Pattern
 
 from simulators.node import Node
+from simulators.replay.signs.sign import Happening, Sent, Sign
 from simulators.services import State
 from simulators.services.heartbeat import STATE_BYTE
 from simulators.wire import Frame, pattern
@@ -13,65 +14,84 @@ from simulators.wire import Frame, pattern
 EMCY_LENGTH = 8
 
 
-class Pattern(Protocol):
-    """`str` says in words what is meant."""
+class FrameSign(Sign):
+    """Picks from the frames of one node, or from those of the master."""
+
+    by_master: bool = False
+
+    def sees(self, happening: Happening, node: Node) -> bool:
+        """A frame of the right sender that is meant."""
+        return self._is_from(happening, node) and self.fits(_frame(happening), node)
+
+    def is_kin(self, happening: Happening, node: Node) -> bool:
+        """A frame of the right sender that is like what is meant."""
+        return self._is_from(happening, node) and self.resembles(_frame(happening), node)
+
+    def tell(self, happening: Happening) -> str:
+        """The frame."""
+        return self.words(_frame(happening))
+
+    def _is_from(self, happening: Happening, node: Node) -> bool:
+        sender = None if self.by_master else node
+        return isinstance(happening, Sent) and happening.node is sender
 
     def fits(self, frame: Frame, node: Node) -> bool:
-        """Whether a frame of the node is meant."""
-
-    def is_kin(self, frame: Frame, node: Node) -> bool:
-        """Whether a frame that may not fit is worth telling."""
-
-    def tell(self, frame: Frame) -> str:
-        """A frame in words."""
-
-
-@dataclass(frozen=True)
-class AnyFrame:
-    """Whatever the node sends."""
-
-    def fits(self, frame: Frame, node: Node) -> bool:
-        """Every frame."""
+        """Whether a frame is meant."""
         return True
 
-    is_kin = fits
+    def resembles(self, frame: Frame, node: Node) -> bool:
+        """Whether a frame that may not fit is worth telling."""
+        return self.fits(frame, node)
 
-    def tell(self, frame: Frame) -> str:
-        """As cansend has it."""
+    def words(self, frame: Frame) -> str:
+        """A frame as cansend has it."""
         return str(frame)
 
-    def __str__(self) -> str:
-        return "frame"
+
+def _frame(happening: Happening) -> Frame:
+    assert isinstance(happening, Sent)
+    return happening.frame
 
 
 @dataclass(frozen=True)
-class FrameLike:
+class AnyFrame(FrameSign):
+    """Whatever is sent."""
+
+    by_master: bool = False
+
+    def __str__(self) -> str:
+        return f"frame{_whose(self)}"
+
+
+@dataclass(frozen=True)
+class FrameLike(FrameSign):
     """A frame in the notation of cansend, in capitals, with X for any digit and * for any rest."""
 
     text: str
+    by_master: bool = False
 
     def fits(self, frame: Frame, node: Node) -> bool:
         """Digit by digit."""
         return self._digits.fullmatch(str(frame)) is not None
 
-    def is_kin(self, frame: Frame, node: Node) -> bool:
+    def resembles(self, frame: Frame, node: Node) -> bool:
         """The same identifier."""
-        return str(frame).split("#")[0] == self.text.split("#")[0]
-
-    def tell(self, frame: Frame) -> str:
-        """As cansend has it."""
-        return str(frame)
+        return self._identifier.match(str(frame)) is not None
 
     @cached_property
-    def _digits(self) -> Expression[str]:
+    def _identifier(self) -> Pattern[str]:
+        return re.compile(self.text.split("#")[0].replace("X", "[0-9A-F]") + "#")
+
+    @cached_property
+    def _digits(self) -> Pattern[str]:
         return pattern(self.text)
 
     def __str__(self) -> str:
-        return self.text.replace("X", "x")
+        return f"{self.text.replace('X', 'x')}{_whose(self)}"
 
 
 @dataclass(frozen=True)
-class EmcyLike:
+class EmcyLike(FrameSign):
     """An emergency; what is None may be anything."""
 
     code: int | None = None
@@ -81,18 +101,18 @@ class EmcyLike:
 
     def fits(self, frame: Frame, node: Node) -> bool:
         """Field by field."""
-        return self.is_kin(frame, node) and all(
+        return self.resembles(frame, node) and all(
             wanted in (None, found)
             for wanted, found in zip(
                 (self.code, self.register, self.detail), _fields(frame.data), strict=True
             )
         )
 
-    def is_kin(self, frame: Frame, node: Node) -> bool:
+    def resembles(self, frame: Frame, node: Node) -> bool:
         """Any emergency of the node."""
         return frame.can_id == _emcy_id(node) and len(frame.data) == EMCY_LENGTH
 
-    def tell(self, frame: Frame) -> str:
+    def words(self, frame: Frame) -> str:
         """Code, register and detail."""
         return _emcy(*_fields(frame.data))
 
@@ -102,21 +122,21 @@ class EmcyLike:
 
 
 @dataclass(frozen=True)
-class HeartbeatLike:
+class HeartbeatLike(FrameSign):
     """A heartbeat, of a state or of any; the boot-up message is none."""
 
     state: State | None = None
 
     def fits(self, frame: Frame, node: Node) -> bool:
         """State by state."""
-        return self.is_kin(frame, node) and self.state in (None, STATES[frame.data[0]])
+        return self.resembles(frame, node) and self.state in (None, STATES[frame.data[0]])
 
-    def is_kin(self, frame: Frame, node: Node) -> bool:
+    def resembles(self, frame: Frame, node: Node) -> bool:
         """Any heartbeat of the node."""
         is_state = len(frame.data) == 1 and frame.data[0] in STATES
         return frame.can_id == 0x700 + node.node_id and is_state
 
-    def tell(self, frame: Frame) -> str:
+    def words(self, frame: Frame) -> str:
         """Its state."""
         return STATES[frame.data[0]].lower()
 
@@ -125,6 +145,10 @@ class HeartbeatLike:
 
 
 STATES = {byte: state for state, byte in STATE_BYTE.items() if byte}
+
+
+def _whose(sign: FrameSign) -> str:
+    return " of the master" if sign.by_master else ""
 
 
 def _fields(data: bytes) -> tuple[int, int, int]:

@@ -1,0 +1,17 @@
+"""The JSON Schema of the files that users write, for their editors."""
+
+import argparse
+import json
+from collections.abc import Mapping
+
+from simulators.documents.schema import json_schema
+from simulators.documents.table import Table
+from simulators.replay.file.story import Bench, Story
+
+FILES: Mapping[str, type[Table]] = {"scenario": Story, "bench": Bench}
+
+
+def schema(options: argparse.Namespace) -> int:
+    """Print it."""
+    print(json.dumps(json_schema(FILES[options.file]), indent=2))
+    return 0

@@ -1,0 +1,168 @@
+"""Tables of a file as pydantic models: structure and JSON Schema are theirs, places are ours.
+
+A field holds an `Item` that has been asked whether it is what is wanted, or other tables. What is
+wrong is noted as a problem with its place, and a table is read again without it: the rest is looked
+at all the same.
+"""
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Self, TypeVar
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    ModelWrapValidatorHandler,
+    PrivateAttr,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+    model_validator,
+)
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema, ErrorDetails, core_schema
+
+from simulators.documents.document import Item, read
+from simulators.documents.problems import Noted, Problems
+from simulators.documents.rules import Rule
+from simulators.errors import UserError, unknown
+
+
+@dataclass(frozen=True, eq=False)
+class Leaf:
+    """A value of the file: what it is asked when it is read, and what it is as JSON Schema."""
+
+    ask: Callable[[Item], object]
+    """Raises `UserError` if it is not what is wanted."""
+    schema: Mapping[str, Any]
+
+    def _read(self, item: Item) -> Item:
+        with item.blamed():
+            self.ask(item)
+        return item
+
+    def __get_pydantic_core_schema__(self, _: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self._read)
+
+    def __get_pydantic_json_schema__(
+        self, _: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return dict(self.schema)
+
+
+class Table(BaseModel):
+    """Keys and their values; the docstring below a field is what editors say of it."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+    rules: ClassVar[tuple[Rule, ...]] = ()
+    _place: Item = PrivateAttr()
+
+    @property
+    def place(self) -> Item:
+        """Where it stands."""
+        return self._place
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _read(cls, item: Item, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        known = [field.alias or name for name, field in cls.model_fields.items()]
+        values = {key: pair.value for key, pair in item.pairs.items()}
+        for rule in cls.rules:
+            with item.problems.at(item):
+                rule.check(item, known)
+        try:
+            table = handler(values)
+        except ValidationError as failure:
+            wrong = _note(item, failure, known)
+            table = _again(handler, {key: values[key] for key in values if key not in wrong})
+        table._place = item  # noqa: SLF001 - our own
+        return table
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, core: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        schema = super().__get_pydantic_json_schema__(core, handler)
+        if cls.rules:
+            handler.resolve_ref_schema(schema)["allOf"] = [rule.schema for rule in cls.rules]
+        return schema
+
+
+Anything = TypeVar("Anything")
+AnyTable = TypeVar("AnyTable", bound=Table)
+Meaning = TypeVar("Meaning")
+
+
+def understand(path: Path, kind: type[AnyTable], mean: Callable[[AnyTable], Meaning]) -> Meaning:
+    """What a file means; `mean` notes what is wrong as problems, and goes on.
+
+    Raises:
+        DocumentError: with a line for everything that is wrong.
+    """
+    problems = Problems(str(path))
+    item = read(path, problems)
+    try:
+        meaning = mean(kind.model_validate(item))
+    except ValidationError as failure:
+        _note(item, failure)
+        problems.settle()
+        raise
+    problems.settle()
+    return meaning
+
+
+def _if_right(item: Item, handler: ValidatorFunctionWrapHandler) -> Any:
+    try:
+        return handler(item)
+    except ValidationError as failure:
+        _note(item, failure)
+        return None
+
+
+IfRight = Annotated[Anything | None, WrapValidator(_if_right)]
+"""One of many: what is wrong with it is noted, and None is in its place."""
+
+Listed = Annotated[list[Anything], BeforeValidator(lambda item: item.items)]
+"""Values after dashes."""
+
+
+def _again(handler: Callable[[dict[str, Item]], Any], values: dict[str, Item]) -> Any:
+    try:
+        return handler(values)
+    except ValidationError:
+        raise Noted from None
+
+
+def _note(item: Item, failure: ValidationError, known: Collection[str] = ()) -> set[object]:
+    """Note as problems what is wrong with a value; the keys behind which it is."""
+    wrong: set[object] = set()
+    for error in failure.errors(include_url=False, include_input=False):
+        with item.problems.at(_place(item, error, known)):
+            raise TOLD[error["type"]](error, known)
+        wrong.update(error["loc"][:1])
+    return wrong
+
+
+def _place(item: Item, error: ErrorDetails, known: Collection[str]) -> Item:
+    key, *_ = error["loc"] or (None,)
+    if key is None or key not in item.pairs:
+        return item
+    return item.pairs[str(key)].place(known)
+
+
+def _own(error: ErrorDetails, known: Collection[str]) -> UserError:
+    refusal: UserError = error["ctx"]["error"]
+    return refusal
+
+
+TOLD: Mapping[str, Callable[[ErrorDetails, Collection[str]], UserError]] = {
+    "value_error": _own,
+    "extra_forbidden": lambda error, known: unknown("key", error["loc"][0], known),
+    "missing": lambda error, _: UserError(f"{error['loc'][0]!r} is missing"),
+    "too_short": lambda *_: UserError("empty; at least one key with a value is wanted here"),
+    "too_long": lambda error, _: UserError(f"more than {error['ctx']['max_length']} of them"),
+}

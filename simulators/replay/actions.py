@@ -1,0 +1,80 @@
+"""What a step does by itself: it changes the plant, the supply or the bus, and is done."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from simulators.node import Node
+from simulators.replay.scenario import Action, Condition
+from simulators.replay.stage import Stage
+from simulators.wire import Frame
+
+
+@dataclass(frozen=True)
+class Set(Action):
+    """Changes live settings, such as the load, as an operator or the plant would."""
+
+    settings: Mapping[str, Any]
+
+    def carry_out(self, stage: Stage) -> None:
+        """All of them at once."""
+        with stage.node.acting() as device:
+            device.set(**self.settings)
+
+
+@dataclass(frozen=True)
+class Send(Action):
+    """Any frame, such as a SYNC."""
+
+    frame: Frame
+
+    def carry_out(self, stage: Stage) -> None:
+        """As a master."""
+        stage.send(self.frame)
+
+
+@dataclass(frozen=True)
+class Nmt(Action):
+    """A command of the NMT master to the node."""
+
+    command: int
+
+    def carry_out(self, stage: Stage) -> None:
+        """To the node id it has by now."""
+        stage.send(Frame(0x000, bytes([self.command, stage.node.node_id])))
+
+
+@dataclass(frozen=True)
+class Power(Action):
+    """Switches the supply of the node."""
+
+    switch: Callable[[Node], None]
+
+    def carry_out(self, stage: Stage) -> None:
+        """On or off; without effect if it is so already."""
+        self.switch(stage.node)
+
+
+@dataclass(frozen=True)
+class Inject(Action):
+    """Something goes wrong, and perhaps heals by itself."""
+
+    faults: Mapping[str, Mapping[str, Any]]
+    lasts: float | Condition | None = None
+    """Seconds, or what heals it; None: until it is cleared."""
+
+    def carry_out(self, stage: Stage) -> None:
+        """In the order of the file."""
+        stage.inject(self.faults, self.lasts)
+
+
+@dataclass(frozen=True)
+class Clear(Action):
+    """A cause goes away; the device recovers as far as it does by itself."""
+
+    fault: str | None
+    """None for all of them."""
+
+    def carry_out(self, stage: Stage) -> None:
+        """Without effect if it is not active."""
+        stage.clear(self.fault)

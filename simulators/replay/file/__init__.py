@@ -1,0 +1,1 @@
+"""Scenario and bench files as tables: the keys there are, what they mean, their JSON Schema."""

@@ -1,0 +1,28 @@
+"""Everybody a step works with."""
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+from simulators.clock import Clock
+from simulators.node import Node
+from simulators.replay.player.client import Client
+from simulators.replay.player.healing import Healing
+from simulators.replay.player.judge import Judge
+from simulators.replay.player.senses import Senses
+from simulators.wire import Frame
+
+
+class Crew(NamedTuple):
+    """One for all steps of a run."""
+
+    nodes: Mapping[str, Node]
+    clock: Clock
+    senses: Senses
+    clients: Mapping[str, Client]
+    """By the names of the nodes they ask."""
+    healing: Healing
+    judge: Judge
+    send: Callable[[Frame], None]
+    """Puts a frame on the bus as the scenario's master."""
+    tell: Callable[[str, str, Mapping[str, object]], None]
+    """Takes the node, kind and fields of an event."""

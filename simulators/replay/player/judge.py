@@ -1,0 +1,47 @@
+"""Takes down what is found, with the scene of what did not pass."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from simulators.replay.player.scenes import Scene, Scenes
+from simulators.replay.scenario import Step
+from simulators.replay.verdict import Finding, Kind, Outcome
+
+WITHOUT_SCENE = (Kind.PASS, Kind.SKIP)
+
+
+class Judge:
+    """Its outcomes are those so far, in the order of the file; `tell` hears of each with its step.
+
+    `time` gives the seconds of the scenario for a microsecond of the clock.
+    """
+
+    def __init__(
+        self,
+        scenes: Scenes,
+        time: Callable[[int], float],
+        tell: Callable[[Step, Outcome], None],
+    ) -> None:
+        self._scenes = scenes
+        self._time = time
+        self._tell = tell
+        self._decided: list[tuple[Outcome, Scene | None]] = []
+
+    def decide(self, step: Step, finding: Finding, tick: int) -> None:
+        """Take a finding down."""
+        outcome = self._outcome(step, finding, tick)
+        scene = None if finding.kind in WITHOUT_SCENE else self._scenes.begin(outcome.time)
+        self._decided.append((outcome, scene))
+        self._tell(step, outcome)
+
+    def outcomes(self, open_: list[tuple[Step, Finding]], tick: int) -> tuple[Outcome, ...]:
+        """All that has been decided, and what would come of the rest at this moment."""
+        outcomes = [replace(each, scene=str(scene or "")) for each, scene in self._decided]
+        for step, finding in open_:
+            scene = self._scenes.look(self._time(tick))
+            outcomes.append(replace(self._outcome(step, finding, tick), scene=str(scene)))
+        return tuple(sorted(outcomes, key=lambda outcome: outcome.line))
+
+    def _outcome(self, step: Step, finding: Finding, tick: int) -> Outcome:
+        what = str(step.action)
+        return Outcome(finding.kind, self._time(tick), step.line, what, finding.seen, step.note)

@@ -1,0 +1,115 @@
+"""One step being carried out: what its action acts on, and whom it tells."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Protocol
+
+from simulators.clock import microseconds
+from simulators.errors import UserError
+from simulators.node import Node
+from simulators.replay.expect import Expectation
+from simulators.replay.player.alarm import Alarm
+from simulators.replay.player.client import Job
+from simulators.replay.player.crew import Crew
+from simulators.replay.player.senses import Position
+from simulators.replay.player.window import Window
+from simulators.replay.scenario import Condition, Step
+from simulators.replay.sdo import Answer, Transfer
+from simulators.replay.verdict import Finding, Kind
+from simulators.wire import Frame
+
+
+class Court(Protocol):
+    """Where a performance leaves what outlives it."""
+
+    def opens(self, window: Window) -> None:
+        """Something is expected from now on."""
+
+    def decides(self, window: Window, finding: Finding, tick: int) -> None:
+        """An expectation is over."""
+
+    def heals(self, tick: int) -> None:
+        """Something heals by itself at a microsecond to come."""
+
+    def breaks(self, step: Step) -> None:
+        """It could not be carried out."""
+
+
+class Performance:
+    """The `Stage` of the action of a step; `answered` is called when it asks nobody any more."""
+
+    def __init__(self, step: Step, crew: Crew, court: Court, answered: Callable[[], None]) -> None:
+        self.since = Position(-1, 0)
+        """Where the present begins, if it is at this microsecond."""
+        self.asks = 0
+        """Jobs that the client has not done yet."""
+        self.broken = False
+        self._step = step
+        self._crew = crew
+        self._court = court
+        self._all_answered = answered
+
+    def give(self) -> None:
+        """Carry the step out once."""
+        try:
+            self._step.action.carry_out(self)
+        except UserError as refusal:
+            self.report(Finding(Kind.ERROR, str(refusal)))
+
+    @property
+    def node(self) -> Node:
+        """The node the step is about."""
+        return self._crew.nodes[self._step.node]
+
+    def send(self, frame: Frame) -> None:
+        """Put a frame on the bus as a master."""
+        self._crew.send(frame)
+
+    def ask(
+        self,
+        transfers: Sequence[Transfer],
+        patience: float,
+        answered: Callable[[int, Answer], bool],
+    ) -> None:
+        """SDO transfers with the node, behind those of the steps before."""
+        self.asks += 1
+        client = self._crew.clients[self._step.node]
+        client.ask(Job(transfers, patience, answered, self._answered))
+
+    def _answered(self) -> None:
+        self.asks -= 1
+        self._all_answered()
+
+    def inject(
+        self, faults: Mapping[str, Mapping[str, Any]], lasts: float | Condition | None
+    ) -> None:
+        """Let things go wrong with the node; a condition heals them once it is met."""
+        crew, here = self._crew, self._crew.senses.position
+        crew.healing.inject(self.node, faults)
+        if lasts is None:
+            return
+        heal = crew.healing.plan(self.node, faults)
+        if isinstance(lasts, Condition):
+            alarm = Alarm(lasts, crew, lambda: crew.clock.at_tick(crew.clock.ticks, heal))
+            alarm.set(here)
+        else:
+            tick = crew.clock.ticks + microseconds(lasts)
+            crew.clock.at_tick(tick, heal)
+            self._court.heals(tick)
+
+    def clear(self, fault: str | None) -> None:
+        """Take a fault of the node away, or all of them."""
+        self._crew.healing.clear(self.node, fault)
+
+    def report(self, finding: Finding) -> None:
+        """Take what has been decided at once."""
+        self._crew.judge.decide(self._step, finding, self._crew.clock.ticks)
+        if finding.kind is Kind.ERROR:
+            self.broken = True
+            self._court.breaks(self._step)
+
+    def watch_for(self, expectation: Expectation) -> None:
+        """Take what will be decided."""
+        crew = self._crew
+        window = Window(self._step, expectation, crew, self._court.decides)
+        self._court.opens(window)
+        window.open(self.since)

@@ -1,0 +1,137 @@
+"""The player: it hears the bus, and lets the steps and then the cleanup take their course."""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+
+from simulators.clock import MICROSECONDS, microseconds
+from simulators.errors import UserError
+from simulators.node import Node
+from simulators.replay.player.client import Client
+from simulators.replay.player.course import Course
+from simulators.replay.player.crew import Crew
+from simulators.replay.player.events import Event
+from simulators.replay.player.healing import Healing
+from simulators.replay.player.judge import Judge
+from simulators.replay.player.needs import needs
+from simulators.replay.player.scenes import Scenes
+from simulators.replay.player.senses import Senses
+from simulators.replay.player.watch import GRAIN
+from simulators.replay.scenario import Scenario, Step
+from simulators.replay.signs import Entered, Written
+from simulators.replay.verdict import Outcome, Verdict
+from simulators.segment import Record, Segment
+from simulators.services import State
+from simulators.wire import Frame
+
+NAME = "scenario"
+LONGEST = 86_400  # seconds of a run
+
+
+class Player:
+    """Puts every step on the clock; `nodes` are those of the scenario, by its names.
+
+    Started before their power is switched on, it hears them boot. `listeners` hear what it does.
+
+    Raises:
+        UserError: a node of the scenario is missing.
+    """
+
+    def __init__(self, scenario: Scenario, segment: Segment, nodes: Mapping[str, Node]) -> None:
+        for name in scenario.nodes:
+            if name not in nodes:
+                raise UserError(f"{scenario.file} is about a {name}; here is {', '.join(nodes)}")
+        self.scenario = scenario
+        self.listeners: list[Callable[[Event], None]] = []
+        self._segment = segment
+        self._clock = clock = segment.clock
+        self._nodes = {name: nodes[name] for name in scenario.nodes}
+        self._names = {id(node): name for name, node in self._nodes.items()}
+        self._wire = segment.master(NAME)
+        self._begin = clock.ticks
+        self._senses = Senses(self._nodes, clock)
+        self._scenes = Scenes(tuple(self._nodes.values()))
+        self._judge = Judge(self._scenes, self._time, self._tell_outcome)
+        self._clients = {
+            name: Client(node, clock, self._send) for name, node in self._nodes.items()
+        }
+        crew = Crew(
+            self._nodes,
+            clock,
+            self._senses,
+            self._clients,
+            Healing(self._tell_fault),
+            self._judge,
+            self._send,
+            self._tell,
+        )
+        self._steps = Course(scenario.steps, crew, self._clean_up, scenario.duration)
+        self._cleanup = Course(scenario.cleanup, crew, self._finish, strict=False)
+
+    def start(self) -> None:
+        """The scenario begins now; its first steps come with the next move of the clock."""
+        self._begin = self._clock.ticks
+        self._segment.listeners.append(self._hear)
+        for name, node in self._nodes.items():
+            node.listeners.append(partial(self._tell_state, name))
+        for watched, sign in needs(self.scenario):
+            if isinstance(sign, Entered):
+                self._senses.attend_to_states(self._nodes[watched])
+            elif isinstance(sign, Written):
+                self._senses.attend_to_writes(self._nodes[watched])
+        limit = self._begin + microseconds(LONGEST) + GRAIN
+        self._limit = self._clock.at_tick(limit, self._steps.expire)
+        self._steps.start()
+
+    @property
+    def done(self) -> bool:
+        """Whether every step has been carried out and every expectation decided."""
+        if self.scenario.cleanup:
+            return self._steps.over and self._cleanup.settled
+        return self._steps.over or self._steps.settled
+
+    @property
+    def horizon(self) -> float:
+        """Time of the clock at which every window so far is over, decided or not."""
+        return (max(self._steps.horizon, self._cleanup.horizon) + GRAIN) / MICROSECONDS
+
+    @property
+    def verdict(self) -> Verdict:
+        """What has been found; what is not decided by now counts as an error."""
+        open_ = [*self._steps.undecided, *self._cleanup.undecided]
+        outcomes = self._judge.outcomes(open_, self._clock.ticks)
+        return Verdict(str(self.scenario.file), outcomes)
+
+    def _hear(self, frame: Frame, sender: str) -> None:
+        self._scenes.hear(Record(self._time(self._clock.ticks), frame, sender))
+        for client in self._clients.values():
+            client.hear(frame)
+        self._senses.hear(frame, sender)
+
+    def _send(self, frame: Frame) -> None:
+        self._wire.put(frame)
+        self._segment.deliver()
+
+    def _clean_up(self) -> None:
+        self._limit.cancel()
+        self._cleanup.start()
+
+    def _finish(self) -> None:
+        pass
+
+    def _time(self, tick: int) -> float:
+        return (tick - self._begin) / MICROSECONDS
+
+    def _tell(self, node: str, kind: str, fields: Mapping[str, object]) -> None:
+        event = Event(self._time(self._clock.ticks), node, kind, fields)
+        for listener in self.listeners:
+            listener(event)
+
+    def _tell_state(self, node: str, state: State) -> None:
+        self._tell(node, "state", {"state": str(state)})
+
+    def _tell_fault(self, node: Node, kind: str, fields: Mapping[str, object]) -> None:
+        self._tell(self._names[id(node)], kind, fields)
+
+    def _tell_outcome(self, step: Step, outcome: Outcome) -> None:
+        told = {"line": outcome.line, "what": outcome.what, "seen": outcome.seen}
+        self._tell(step.node, "outcome", {"verdict": str(outcome.kind), **told})

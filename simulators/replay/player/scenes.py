@@ -1,0 +1,61 @@
+"""What is shown of the moment at which something was not as it should be."""
+
+from collections import deque
+from collections.abc import Sequence
+
+from simulators.node import Node
+from simulators.report import SHOWN, device_state, last_frames
+from simulators.segment import Record
+
+AFTERWARDS = 5  # frames
+
+
+class Scene:
+    """The last frames, how the nodes are at this moment, and the first frames after it."""
+
+    def __init__(self, before: Sequence[Record], nodes: Sequence[Node], time: float) -> None:
+        self._nodes = nodes
+        self._before = last_frames(before, nodes)
+        self._state = "\n".join(map(device_state, nodes))
+        self._mark = f"{time:12.6f}  ---- here"
+        self._after: list[Record] = []
+
+    @property
+    def complete(self) -> bool:
+        """Whether as much has come after it as is shown."""
+        return len(self._after) == AFTERWARDS
+
+    def hear(self, record: Record) -> None:
+        """Take a frame that has come after it."""
+        self._after.append(record)
+
+    def __str__(self) -> str:
+        after = [self._mark, last_frames(self._after, self._nodes)] if self._after else []
+        return "\n".join([self._before, *after, self._state])
+
+
+class Scenes:
+    """Keeps the last frames, and the scenes that are waiting for the next ones."""
+
+    def __init__(self, nodes: Sequence[Node]) -> None:
+        self._nodes = nodes
+        self._recent: deque[Record] = deque(maxlen=SHOWN)
+        self._open: list[Scene] = []
+
+    def hear(self, record: Record) -> None:
+        """Take a frame."""
+        self._recent.append(record)
+        if self._open:
+            for scene in self._open:
+                scene.hear(record)
+            self._open = [scene for scene in self._open if not scene.complete]
+
+    def begin(self, time: float) -> Scene:
+        """The scene of this moment, which takes in what comes after it."""
+        scene = self.look(time)
+        self._open.append(scene)
+        return scene
+
+    def look(self, time: float) -> Scene:
+        """The scene of this moment, as it is."""
+        return Scene(tuple(self._recent), self._nodes, time)

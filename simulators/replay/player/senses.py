@@ -1,0 +1,101 @@
+"""Everything that happens on the bus and at the nodes, in its order, for whoever watches."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from typing import NamedTuple
+
+from simulators.clock import Clock
+from simulators.node import Node
+from simulators.replay.player.writes import Writes
+from simulators.replay.signs import Changed, Happening, Sent
+from simulators.services import State
+from simulators.wire import Frame
+
+Ear = Callable[[Happening], None]
+
+
+class Position(NamedTuple):
+    """Where in the order of what happens: behind so many things of one microsecond."""
+
+    tick: int
+    passed: int
+
+
+class Senses:
+    """Keeps what has happened at this microsecond, so that who comes late hears it too.
+
+    States and writes cost something with every frame, so they are followed only at nodes that
+    somebody attends to.
+    """
+
+    def __init__(self, nodes: Mapping[str, Node], clock: Clock) -> None:
+        self._clock = clock
+        self._senders = {node.wire.name: node for node in nodes.values()}
+        self._ears: list[Ear] = []
+        self._moment = clock.ticks
+        self._present: list[Happening] = []
+        self._changes: list[Changed] = []
+        self._writes: dict[int, Writes] = {}
+
+    def attend_to_states(self, node: Node) -> None:
+        """Follow the NMT states of a node from now on."""
+        node.listeners.append(partial(self._on_state, node))
+
+    def attend_to_writes(self, node: Node) -> None:
+        """Follow what the master writes to a node from now on."""
+        self._writes.setdefault(id(node), Writes(node))
+
+    def listen(self, ear: Ear) -> None:
+        """Tell somebody what happens from now on."""
+        self._ears.append(ear)
+
+    def ignore(self, ear: Ear) -> None:
+        """Tell him no more."""
+        self._ears.remove(ear)
+
+    @property
+    def position(self) -> Position:
+        """Behind everything that has happened so far."""
+        self._renew()
+        return Position(self._moment, len(self._present))
+
+    def since(self, position: Position) -> Sequence[Happening]:
+        """What has happened at this microsecond, as far as it is behind a position."""
+        self._renew()
+        return self._present[position.passed if position.tick == self._moment else 0 :]
+
+    def hear(self, frame: Frame, sender: str) -> None:
+        """Take a frame from the bus, after the nodes have had it."""
+        sent = Sent(frame, self._senders.get(sender))
+        happened = (sent,) if not (self._changes or self._writes) else tuple(self._around(sent))
+        self._happen(happened)
+
+    def _around(self, sent: Sent) -> Iterator[Happening]:
+        """A frame of the node is a consequence of its new state, one of another the cause."""
+        changes, self._changes = self._changes, []
+        yield from (change for change in changes if change.node is sent.node)
+        yield sent
+        yield from (change for change in changes if change.node is not sent.node)
+        for writes in self._writes.values():
+            yield from writes.follow(sent)
+
+    def _on_state(self, node: Node, state: State) -> None:
+        self._changes.append(Changed(node, state))
+        self._clock.at_tick(self._clock.ticks, self._flush)
+
+    def _flush(self) -> None:
+        changes, self._changes = self._changes, []
+        self._happen(changes)
+
+    def _happen(self, happened: Sequence[Happening]) -> None:
+        self._renew()
+        self._present += happened
+        ears = tuple(self._ears)  # who comes meanwhile begins behind this
+        for one in happened:
+            for ear in ears:
+                ear(one)
+
+    def _renew(self) -> None:
+        if self._moment != self._clock.ticks:
+            self._moment = self._clock.ticks
+            self._present.clear()

@@ -1,0 +1,1 @@
+"""What the tables of a file mean: names are looked up, steps tried, everything wrong is told."""

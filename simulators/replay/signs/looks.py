@@ -1,0 +1,65 @@
+"""How a node is: the values of its objects, and the NMT state it enters."""
+
+from dataclasses import dataclass
+
+from simulators.node import Node
+from simulators.objects import Rejected
+from simulators.replay.signs.sign import Changed, Happening, Sign
+from simulators.replay.signs.wanted import Wanted
+from simulators.replay.targets import Target
+from simulators.services import State
+
+
+@dataclass(frozen=True)
+class Holds(Sign):
+    """Objects have values; the look at them leaves no trace on the bus nor in the device."""
+
+    wanted: tuple[tuple[Target, Wanted], ...]
+    looks = True
+
+    def look(self, node: Node) -> tuple[bool, str]:
+        """Whether all of them hold at this moment."""
+        values = [(target, wanted, _value(node, target)) for target, wanted in self.wanted]
+        told = ", ".join(f"{target} is {wanted.tell(value)}" for target, wanted, value in values)
+        return all(value in wanted for _, wanted, value in values), told
+
+    def __str__(self) -> str:
+        return ", ".join(f"{target} {wanted}" for target, wanted in self.wanted)
+
+
+@dataclass(frozen=True)
+class Entered(Sign):
+    """The node enters an NMT state; one that is in it already does not."""
+
+    state: State
+
+    def sees(self, happening: Happening, node: Node) -> bool:
+        """This state."""
+        return self.is_kin(happening, node) and self.state is _state(happening)
+
+    def is_kin(self, happening: Happening, node: Node) -> bool:
+        """Any state of the node."""
+        return isinstance(happening, Changed) and happening.node is node
+
+    def tell(self, happening: Happening) -> str:
+        """The state."""
+        return _state(happening).lower()
+
+    def __str__(self) -> str:
+        return f"state {self.state.lower()}"
+
+
+def _state(happening: Happening) -> State:
+    assert isinstance(happening, Changed)
+    return happening.state
+
+
+def _value(node: Node, target: Target) -> object:
+    """What is no value, a text in brackets."""
+    if node.slave is None:
+        return "(silent)"
+    try:
+        entry = node.slave.entry(*target.address)
+        return entry.unpack(entry.read())
+    except Rejected as refusal:
+        return f"(refused: {refusal})"
