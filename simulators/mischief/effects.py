@@ -41,15 +41,9 @@ def renamed(can_id: int) -> Effect:
 
 
 def frozen() -> Effect:
-    """The data of the first frame for ever."""
-    first: list[Frame] = []
-
-    def effect(frame: Frame) -> Iterable[tuple[float, Frame]]:
-        if not first:
-            first.append(frame)
-        return [(0.0, first[0])]
-
-    return effect
+    """The first frame of each identifier for ever."""
+    first: dict[int, Frame] = {}
+    return lambda frame: [(0.0, first.setdefault(frame.can_id, frame))]
 
 
 def jittered(clock: Timing, seconds: float, seed: int) -> Effect:

@@ -42,7 +42,7 @@ def _id(slave: Slave, number: int) -> int | None:
 
 PDO: Mapping[str, Kind] = {
     "pdo_frozen": Kind(
-        "A TPDO goes on with the data of the first one that is struck.",
+        "A TPDO goes on with the data it had when it was struck first.",
         "Values that never change: set and actual value part, an answer to a command is missing.",
         {**TPDO, **AIM},
         lambda place, number, **turn: Filtering(

@@ -1,6 +1,6 @@
 import pytest
 
-from simulators import UserError
+from simulators import Bench, UserError
 
 from .conftest import SYNC
 
@@ -21,6 +21,14 @@ def test_a_tpdo_is_frozen(topcon):
     assert topcon.send(SYNC) == [ZEROS]
     topcon.clear()
     assert topcon.send(SYNC) == [AT_200_V]
+
+
+def test_each_frozen_tpdo_keeps_its_own_identifier_and_data():
+    bench = Bench("charger", node_id=99)
+    at_start = bench.send("000#0163")
+    assert [frame[:3] for frame in at_start] == ["1E3", "2E3", "3E3"]
+    bench.inject("pdo_frozen")
+    assert [frame for frame in bench.run(0.6) if not frame.startswith("763")] == at_start
 
 
 def test_every_other_tpdo_is_missing(topcon):

@@ -8,7 +8,7 @@ A = "TCP-32-400"
 
 
 def test_the_file_lists_the_types_the_manual_gives_examples_of(units):
-    assert list(units) == ["TCP-32-400", "TCP-16-100", "EXAMPLE-100-800-32"]
+    assert list(units) == ["TCP-32-400", "TCP-16-100", "EXAMPLE-100-800-32", "TCP-32-400-IBC"]
 
 
 @pytest.mark.spec("A-42")
