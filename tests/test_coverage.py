@@ -1,8 +1,8 @@
 import pytest
+
 from library import report
 from library.proofs import proofs, prove
 from library.rows import Row, faults, faults_of_all, messages, stories
-
 from simulators import devices
 from simulators.replay import load
 
@@ -104,7 +104,9 @@ def test_a_fault_counts_if_something_that_came_was_expected_after_it(tmp_path):
 
 def test_a_story_counts_if_all_of_it_passes(tmp_path):
     covers = "covers: [G-132]"
-    good = proof_of(tmp_path, "gateway", "at: 1, expect: {heartbeat: any, within: 1.1}", covers=covers)
+    good = proof_of(
+        tmp_path, "gateway", "at: 1, expect: {heartbeat: any, within: 1.1}", covers=covers
+    )
     assert proven(stories("gateway"), good) == {"G-132"}
     bad = proof_of(tmp_path, "gateway", "at: 1, expect: {silence: true, within: 2}", covers=covers)
     assert proven(stories("gateway"), bad) == set()
