@@ -1,7 +1,8 @@
 """Everything that happens on the bus and at the nodes, in its order, for whoever watches."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from itertools import chain
 from typing import NamedTuple
 
 from simulators.clock import Clock
@@ -67,31 +68,34 @@ class Senses:
     def hear(self, frame: Frame, sender: str) -> None:
         """Take a frame from the bus, after the nodes have had it."""
         sent = Sent(frame, self._senders.get(sender))
-        happened = (sent,) if not (self._changes or self._writes) else tuple(self._around(sent))
-        self._happen(happened)
-
-    def _around(self, sent: Sent) -> Iterator[Happening]:
-        """A frame of the node is a consequence of its new state, one of another the cause."""
-        changes, self._changes = self._changes, []
-        yield from (change for change in changes if change.node is sent.node)
-        yield sent
-        yield from (change for change in changes if change.node is not sent.node)
-        for writes in self._writes.values():
-            yield from writes.follow(sent)
+        if self._changes:
+            self._flush(lambda change: change.node is sent.node)
+        if self._writes:
+            self._happen((sent, *chain(*(each.follow(sent) for each in self._writes.values()))))
+        else:
+            self._happen((sent,))
+        if self._changes:
+            self._flush()
 
     def _on_state(self, node: Node, state: State) -> None:
+        """What a node does follows its new state; what others send has been the cause."""
         self._changes.append(Changed(node, state))
         self._clock.at_tick(self._clock.ticks, self._flush)
 
-    def _flush(self) -> None:
+    def _flush(self, which: Callable[[Changed], bool] = lambda change: True) -> None:
         changes, self._changes = self._changes, []
-        self._happen(changes)
+        for change in changes:
+            if which(change):
+                self._happen((change,))
+            else:
+                self._changes.append(change)
 
-    def _happen(self, happened: Sequence[Happening]) -> None:
+    def _happen(self, together: Sequence[Happening]) -> None:
+        """A frame and what it writes is one thing: who begins to listen with it begins behind it."""
         self._renew()
-        self._present += happened
-        ears = tuple(self._ears)  # who comes meanwhile begins behind this
-        for one in happened:
+        self._present += together
+        ears = tuple(self._ears)
+        for one in together:
             for ear in ears:
                 ear(one)
 
