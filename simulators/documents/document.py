@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import cached_property
 from math import isfinite
 from pathlib import Path
 from typing import NamedTuple
@@ -103,7 +104,7 @@ class Item:
             raise self.wrong("a list is wanted here, each value after a dash")
         return [Item(node, self.problems) for node in self.node.value]
 
-    @property
+    @cached_property
     def pairs(self) -> Mapping[str, Pair]:
         """Keys as they stand in the file, with their values."""
         if not isinstance(self.node, yaml.MappingNode):
