@@ -13,8 +13,8 @@ HEAD = """# What the scenarios prove
 
 Written by `python -m library.report`, which plays every scenario that is shipped. A message
 counts for a scenario that expects it, by its fields or by the value of its object, and gets it; a
-fault for one that lets it happen and gets something that it expects after that; a story for one that
-names its statement under `covers` and passes. A test keeps this page true, and no line of it
+fault for one that lets it happen and gets something that it expects after that; a story for one
+that names its statement under `covers` and passes. A test keeps this page true, and no line of it
 without a scenario.
 """
 SCENARIOS = "../scenarios"
