@@ -39,6 +39,8 @@ def messages(device: str) -> Iterator[Row]:
     """What the device can tell: a scenario has expected it, and it came."""
     for name, message in devices.create(device).messages.items():
         yield Row(name, message.text, partial(_any, device, partial(_tells, message)))
+        if isinstance(message, BitMessage):
+            yield Row(f"{name} gone", "told no longer", partial(_goes, device, message))
 
 
 def faults(device: str) -> Iterator[Row]:
@@ -81,9 +83,23 @@ def _tells(message: Message, fact: Fact) -> bool:
             return fact.code == code
         case EmcyMessage(_, code, field), Told(_, int(detail)):
             return fact.code == code and _bytes(detail).startswith(field)
-        case BitMessage(_, address, bit), Value(target, Range(low, high)) if low == high:
-            return target.address == address and bool(int(low) >> bit & 1)
+        case BitMessage(), _:
+            return _bit(message, fact) == 1
     return False
+
+
+def _goes(device: str, message: BitMessage, proof: Proof) -> bool:
+    """Whether the bit was seen set, and further down the file it was not."""
+    seen = [_bit(message, fact) for fact in proof.facts.get(device, ())]
+    return 1 in seen and 0 in seen[seen.index(1) :]
+
+
+def _bit(message: BitMessage, fact: Fact) -> int | None:
+    """What a fact says of a bit, if it does."""
+    match fact:
+        case Value(target, Range(low, high)) if low == high and target.address == message.address:
+            return int(low) >> message.bit & 1
+    return None
 
 
 def _bytes(detail: int) -> bytes:
