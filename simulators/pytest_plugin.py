@@ -8,6 +8,7 @@ fixture of its own name: a bench with this twin on it.
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator
+from importlib.metadata import entry_points
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
 INTERFACE, CHANNEL = "canopen_interface", "canopen_channel"
 DEVICES = Path(__file__).parent / "devices"
+GROUP = "canopen_twins.devices"  # that of simulators.devices, which imports CAN
 
 SHOWN = pytest.StashKey[list[Callable[[], str]]]()
 """What a failing test has to show: functions that tell it, so that passing tests pay nothing."""
@@ -40,8 +42,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     """A fixture for each device that is there."""
     fixtures = ModuleType("canopen_twins_devices")
-    for package in sorted(DEVICES.glob("*/__init__.py")):
-        name = package.parent.name
+    shipped = (package.parent.name for package in DEVICES.glob("*/__init__.py"))
+    for name in sorted({*shipped, *(each.name for each in entry_points(group=GROUP))}):
         setattr(fixtures, name, _device_fixture(name))
     config.pluginmanager.register(fixtures, fixtures.__name__)
 

@@ -46,6 +46,11 @@ class Segment:
         """Let frames take their time from now on, at so many bit/s; else they take none."""
         self._bus = Arbitration(self.clock, bit_rate)
 
+    @property
+    def limited(self) -> bool:
+        """Whether frames take their time."""
+        return self._bus is not None
+
     def node(self, device: Device, name: str) -> Node:
         """Connect a device by a name of its own, with its power off.
 

@@ -8,6 +8,7 @@ from canopen.nmt import NmtError
 from threaded_master import connect
 
 from simulators import Bench
+from simulators.bits import length
 from simulators.simulated_time import simulated_time
 from simulators.simulated_time.wall import EPOCH
 
@@ -55,6 +56,14 @@ def test_an_answer_takes_its_time_on_the_wire(inside, node):
     slow = connect(bitrate=10_000)
     assert slow.sdo["Nominal voltage"].raw == 400
     assert inside.clock.now == pytest.approx(FRAME + 111 / 10_000, abs=1e-6)
+
+
+def test_on_a_bus_with_a_bit_rate_request_and_answer_take_their_time_once(inside, node):
+    inside.segment.limit(125_000)
+    assert node.sdo["Nominal voltage"].raw == 400
+    request, answer = (record.frame for record in inside.trace[-2:])
+    taken = (length(request) + length(answer)) / 125_000
+    assert inside.clock.now == pytest.approx(taken, abs=1e-6)
 
 
 def test_a_time_out_passes_in_simulated_time_only(inside):

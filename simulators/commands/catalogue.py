@@ -1,6 +1,7 @@
 """What there is: devices, their objects, settings and EDS files."""
 
 import argparse
+import sys
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import fields
 from typing import Any
@@ -11,6 +12,7 @@ from simulators import devices
 from simulators.commands.chosen import chosen
 from simulators.commands.dcf import dcf
 from simulators.device import Device
+from simulators.errors import UserError
 from simulators.resources import od_file, scenarios
 from simulators.settings import about
 
@@ -22,8 +24,14 @@ TYPES = {
 
 
 def list_all(options: argparse.Namespace) -> int:
-    """The devices and the scenarios."""
-    _table((name, devices.find(name).title) for name in devices.names())
+    """The devices and the scenarios; a device that is broken is told, and hides no other."""
+    rows = []
+    for name in devices.names():
+        try:
+            rows.append((name, devices.find(name).title))
+        except UserError as refusal:
+            print(refusal, file=sys.stderr)
+    _table(rows)
     print()
     _table((name,) for name in scenarios())
     return 0

@@ -84,7 +84,8 @@ class SimulatedBus(can.BusABC):
 
     def _hear(self, frame: Frame, sender: str) -> None:
         if sender != self._wire.name or self._hears_itself:
-            delay = self._reception.delay(frame)
+            limited = self._baton.segment.limited  # then it has taken its time already
+            delay = 0.0 if limited else self._reception.delay(frame)
             self._baton.clock.after(delay, partial(self._receive, frame))
 
     def _receive(self, frame: Frame) -> None:
