@@ -135,7 +135,8 @@ def _catalogue(commands: Commands) -> None:
 def _run(commands: Commands) -> None:
     text = "run twins on a CAN bus in real time, until they are stopped or a scenario is over"
     command = _command(commands, "run", text, "run", "run")
-    _device_arguments(command, f"{DEVICE}, or a bench file")
+    text = f"{DEVICE}, or a bench file; with --scenario it may be left out"
+    _device_arguments(command, text, nargs="?")
     command.add_argument("--scenario", metavar="SCENARIO", help=SCENARIO)
     command.add_argument(
         "--nvram", type=Path, metavar="FILE", help="keep what the device stores in a file"
@@ -157,8 +158,8 @@ def _hub(commands: Commands) -> None:
     )
 
 
-def _device_arguments(command: Parser, text: str = DEVICE) -> None:
-    command.add_argument("device", metavar="DEVICE", help=text)
+def _device_arguments(command: Parser, text: str = DEVICE, nargs: str | None = None) -> None:
+    command.add_argument("device", metavar="DEVICE", nargs=nargs, help=text)
     command.add_argument(
         "-n", "--node-id", type=partial(int, base=0), metavar="ID", help="1..127, or as 0x05"
     )

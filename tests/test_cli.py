@@ -93,6 +93,7 @@ WRONG = [
     (["run", "topcon", "--set", "load"], "--set load: write it as KEY=VALUE"),
     (["run", "topcon", "--set", "serial=x"], "setting 'serial' wants a whole number, not 'x'"),
     (["play", "nothing.yaml"], "unknown scenario 'nothing.yaml'"),
+    (["run", "-i", "virtual"], "nothing to run: say which device, or --scenario with a file"),
     (["run", "topcon", "--nvram", "/nowhere/memory"], "/nowhere/memory cannot be kept there"),
     (
         ["run", "topcon", "-i", "slcan", "-c", "/nowhere", "--real-bus"],
@@ -114,7 +115,7 @@ def test_wrong_input_is_told_in_one_line_and_exit_code_2(said, arguments, told):
     assert err.count("\n") == 1
 
 
-@pytest.mark.parametrize("arguments", [[], ["fly"], ["run"], ["run", "topcon", "-n", "five"]])
+@pytest.mark.parametrize("arguments", [[], ["fly"], ["eds"], ["run", "topcon", "-n", "five"]])
 def test_what_is_no_command_is_refused_with_its_usage(said, arguments):
     code, out, err = said(*arguments)
     assert (code, out) == (2, "")
@@ -206,6 +207,64 @@ def told(said, tmp_path):
 def test_a_run_takes_the_settings_of_its_scenario_unless_told_otherwise(told):
     assert told(STORY)[0] == 0
     assert told(STORY, "--set", "serial=78")[0] == 1
+
+
+PAIR = """\
+version: 1
+nodes:
+  left: {device: topcon, node_id: 5, settings: {serial: 77}}
+  right: {device: charger, node_id: 6}
+steps:
+  - at: 0
+    node: left
+    expect: {value: {0x1018:04: 77}}
+  - at: 0.05
+    node: right
+    expect: {value: {0x1000: {min: 0}}}
+"""
+
+
+@pytest.fixture
+def run(tmp_path):
+    """Run the scenario of a text with no more than it says, and with options."""
+
+    def run(story, *options):
+        (tmp_path / "story.yaml").write_text(story)
+        bus = ["-i", "virtual", "-c", str(tmp_path)]
+        return main(["run", *bus, "--scenario", f"{tmp_path}/story.yaml", *options])
+
+    return run
+
+
+def test_a_scenario_says_by_itself_who_is_run(run, tmp_path, capsys):
+    assert run(STORY) == 0
+    ready, *_ = capsys.readouterr().out.splitlines()
+    assert json.loads(ready)["ready"] == "topcon"
+    assert run(STORY, "--set", "serial=78") == 1
+
+
+def test_all_nodes_of_a_scenario_are_run(run, tmp_path, capsys):
+    assert run(PAIR) == 0
+    ready, *_ = capsys.readouterr().out.splitlines()
+    assert json.loads(ready)["nodes"] == {"left": 5, "right": 6}
+    assert json.loads(ready)["ready"] == f"{tmp_path}/story.yaml"
+
+
+@pytest.mark.parametrize(
+    ("options", "wrong"),
+    [
+        (["left"], "is about left, right: leave left out, and all of them are run"),
+        (["topcon"], "is about left, right, not about topcon"),
+        (["-n", "7"], "says all about its nodes: leave --node-id out"),
+        (["--nvram", "memory"], "says all about its nodes: leave --nvram out"),
+    ],
+)
+def test_what_does_not_go_with_a_scenario_of_several_is_told(
+    run, options, wrong, capsys, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    assert run(PAIR, *options) == 2
+    assert wrong in capsys.readouterr().err
 
 
 def test_what_a_device_stores_is_there_in_the_next_run(told, tmp_path):

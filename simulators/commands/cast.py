@@ -1,7 +1,7 @@
-"""Who is run: one device with its options, or everybody of a bench file."""
+"""Who is run: one device with its options, the nodes of a scenario, or those of a bench file."""
 
 import argparse
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from simulators import devices, replay
@@ -9,8 +9,9 @@ from simulators.commands.chosen import chosen
 from simulators.device import Device
 from simulators.errors import UserError
 from simulators.memory import Memory
+from simulators.replay.scenario import NodeSpec
 
-OF_ONE_DEVICE = ("node-id", "set", "config", "scenario", "nvram")
+OF_ONE_DEVICE = ("node-id", "set", "config", "nvram")
 
 
 def cast(options: argparse.Namespace, scenario: replay.Scenario | None) -> dict[str, Device]:
@@ -19,34 +20,52 @@ def cast(options: argparse.Namespace, scenario: replay.Scenario | None) -> dict[
     Raises:
         UserError: there is no such device or file, or it cannot be as it is told to be.
     """
-    if not _is_file(options.device):
-        return {options.device: _device(options, _delivered(options.device, scenario))}
-    for name in OF_ONE_DEVICE:
-        if getattr(options, name.replace("-", "_")):
-            raise UserError(f"{options.device} says all about its nodes: leave --{name} out")
-    bench = replay.load_bench(Path(options.device))
-    return {name: spec.create() for name, spec in bench.items()}
+    if options.device is not None and _is_file(options.device):
+        _refuse(options, options.device, (*OF_ONE_DEVICE, "scenario"))
+        return _delivered(replay.load_bench(Path(options.device)))
+    if scenario is not None:
+        return _of_scenario(options, scenario)
+    if options.device is None:
+        raise UserError("nothing to run: say which device, or --scenario with a file that does")
+    return {options.device: _equipped(options, NodeSpec(devices.find(options.device), {}))}
+
+
+def title(options: argparse.Namespace, scenario: replay.Scenario | None) -> str:
+    """What is run: as it was called, or the only node of a scenario, or the scenario."""
+    if options.device is not None or scenario is None:
+        return str(options.device)
+    return next(iter(scenario.nodes)) if len(scenario.nodes) == 1 else str(scenario.file)
 
 
 def _is_file(name: str) -> bool:
     return "/" in name or name.endswith((".yaml", ".yml"))
 
 
-def _delivered(name: str, scenario: replay.Scenario | None) -> Mapping[str, object]:
-    """The settings a scenario tells its device to have.
+def _of_scenario(options: argparse.Namespace, scenario: replay.Scenario) -> dict[str, Device]:
+    about = f"{scenario.file} is about {', '.join(scenario.nodes)}"
+    if options.device not in (None, *scenario.nodes):
+        raise UserError(f"{about}, not about {options.device}")
+    if len(scenario.nodes) == 1:
+        return {name: _equipped(options, spec) for name, spec in scenario.nodes.items()}
+    if options.device is not None:
+        raise UserError(f"{about}: leave {options.device} out, and all of them are run")
+    _refuse(options, str(scenario.file), OF_ONE_DEVICE)
+    return _delivered(scenario.nodes)
 
-    Raises:
-        UserError: it is about another one.
-    """
-    if scenario is None:
-        return {}
-    if name not in scenario.nodes:
-        raise UserError(f"{scenario.file} is about {', '.join(scenario.nodes)}, not about {name}")
-    return scenario.nodes[name].settings
+
+def _refuse(options: argparse.Namespace, file: str, names: Iterable[str]) -> None:
+    for name in names:
+        if getattr(options, name.replace("-", "_")):
+            raise UserError(f"{file} says all about its nodes: leave --{name} out")
 
 
-def _device(options: argparse.Namespace, delivered: Mapping[str, object]) -> Device:
-    device = devices.create(options.device, **{**delivered, **chosen(options)})
+def _delivered(nodes: Mapping[str, NodeSpec]) -> dict[str, Device]:
+    return {name: spec.create() for name, spec in nodes.items()}
+
+
+def _equipped(options: argparse.Namespace, spec: NodeSpec) -> Device:
+    """With what the command line has to say, which is the last word."""
+    device = spec.device(**{**spec.settings, **chosen(options)})
     if options.nvram is not None:
         device.memory = Memory(options.nvram)
     return device

@@ -6,7 +6,7 @@ from contextlib import nullcontext
 
 from simulators import replay
 from simulators.commands.bus import Place, place
-from simulators.commands.cast import cast
+from simulators.commands.cast import cast, title
 from simulators.commands.lock import held
 from simulators.commands.scenarios import load
 from simulators.commands.signals import OK, Wishes, signals
@@ -35,7 +35,8 @@ def _run(options: argparse.Namespace, wishes: Wishes) -> int:
         player.start()
     for node in nodes.values():
         node.power_on()
-    ready = {"ready": options.device, **_who(options, segment), **bus.told}
+    name = title(options, scenario)
+    ready = {"ready": name, **_who(name, segment), **bus.told}
     serve(
         segment,
         _opening(bus, segment),
@@ -56,7 +57,7 @@ def _opening(bus: Place, segment: Segment) -> OpenBus:
     return looking(bus.open, node_ids, LOOK if bus.virtual else LONG_LOOK)
 
 
-def _who(options: argparse.Namespace, segment: Segment) -> dict[str, object]:
-    """One node id, or those of all nodes of a bench file."""
+def _who(name: str, segment: Segment) -> dict[str, object]:
+    """One node id, or those of all nodes of a file."""
     ids = {node.wire.name: node.node_id for node in segment.nodes}
-    return {"node_id": ids[options.device]} if options.device in ids else {"nodes": ids}
+    return {"node_id": ids[name]} if name in ids else {"nodes": ids}

@@ -5,7 +5,7 @@ wrong is noted as a problem with its place, and a table is read again without it
 at all the same.
 """
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Self, TypeVar
@@ -16,20 +16,20 @@ from pydantic import (
     ConfigDict,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
-    ModelWrapValidatorHandler,
     PrivateAttr,
     ValidationError,
     ValidatorFunctionWrapHandler,
     WrapValidator,
     model_validator,
 )
+from pydantic.functional_validators import ModelWrapValidatorHandler
 from pydantic.json_schema import JsonSchemaValue
-from pydantic_core import CoreSchema, ErrorDetails, core_schema
+from pydantic_core import CoreSchema, core_schema
 
 from simulators.documents.document import Item, read
+from simulators.documents.failures import note
 from simulators.documents.problems import Noted, Problems
 from simulators.documents.rules import Rule
-from simulators.errors import UserError, unknown
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +77,7 @@ class Table(BaseModel):
         try:
             table = handler(values)
         except ValidationError as failure:
-            wrong = _note(item, failure, known)
+            wrong = note(item, failure, known)
             table = _again(handler, {key: values[key] for key in values if key not in wrong})
         table._place = item  # noqa: SLF001 - our own
         return table
@@ -108,7 +108,7 @@ def understand(path: Path, kind: type[AnyTable], mean: Callable[[AnyTable], Mean
     try:
         meaning = mean(kind.model_validate(item))
     except ValidationError as failure:
-        _note(item, failure)
+        note(item, failure)
         problems.settle()
         raise
     problems.settle()
@@ -119,7 +119,7 @@ def _if_right(item: Item, handler: ValidatorFunctionWrapHandler) -> Any:
     try:
         return handler(item)
     except ValidationError as failure:
-        _note(item, failure)
+        note(item, failure)
         return None
 
 
@@ -135,34 +135,3 @@ def _again(handler: Callable[[dict[str, Item]], Any], values: dict[str, Item]) -
         return handler(values)
     except ValidationError:
         raise Noted from None
-
-
-def _note(item: Item, failure: ValidationError, known: Collection[str] = ()) -> set[object]:
-    """Note as problems what is wrong with a value; the keys behind which it is."""
-    wrong: set[object] = set()
-    for error in failure.errors(include_url=False, include_input=False):
-        with item.problems.at(_place(item, error, known)):
-            raise TOLD[error["type"]](error, known)
-        wrong.update(error["loc"][:1])
-    return wrong
-
-
-def _place(item: Item, error: ErrorDetails, known: Collection[str]) -> Item:
-    key, *_ = error["loc"] or (None,)
-    if key is None or key not in item.pairs:
-        return item
-    return item.pairs[str(key)].place(known)
-
-
-def _own(error: ErrorDetails, known: Collection[str]) -> UserError:
-    refusal: UserError = error["ctx"]["error"]
-    return refusal
-
-
-TOLD: Mapping[str, Callable[[ErrorDetails, Collection[str]], UserError]] = {
-    "value_error": _own,
-    "extra_forbidden": lambda error, known: unknown("key", error["loc"][0], known),
-    "missing": lambda error, _: UserError(f"{error['loc'][0]!r} is missing"),
-    "too_short": lambda *_: UserError("empty; at least one key with a value is wanted here"),
-    "too_long": lambda error, _: UserError(f"more than {error['ctx']['max_length']} of them"),
-}

@@ -53,7 +53,16 @@ def played(story) -> Callable[[str], tuple[list[str], list[str]]]:
         trace = StringIO()
         verdict = play(story(steps), trace)
         frames = [line.split() for line in trace.getvalue().splitlines()]
-        outcomes = [f"{each.kind} {each.time:g} {each.seen}" for each in verdict.outcomes]
-        return [f"{float(time[1:-1]):g} {frame}" for time, _, frame in frames], outcomes
+        return [f"{float(time[1:-1]):g} {frame}" for time, _, frame in frames], told(verdict)
 
     return played
+
+
+@pytest.fixture
+def judged() -> Callable[[Scenario], list[str]]:
+    """The outcomes of a scenario, as "KIND time seen"."""
+    return lambda scenario: told(play(scenario))
+
+
+def told(verdict):
+    return [f"{each.kind} {each.time:g} {each.seen}" for each in verdict.outcomes]

@@ -1,3 +1,4 @@
+import re
 from contextlib import suppress
 from pathlib import Path
 
@@ -102,16 +103,25 @@ def test_a_large_mistake_is_many_lines_and_one_error(problems):
     assert len(found) == 500
 
 
-SHIPPED = Path(__file__).parents[2].joinpath("scenarios", "topcon_interlock.yaml").read_text()
+ROOT = Path(__file__).parents[2]
+DOCS = (ROOT / "docs" / "reference" / "scenarios.md").read_text("utf-8")
+FILES = [
+    (ROOT / "scenarios" / "topcon_interlock.yaml").read_text("utf-8"),
+    *re.findall(r"```yaml file=.*?\n(.*?)```", DOCS, re.DOTALL),
+]
 PIECES = ["{", "}", "[", "]", ": ", "- ", "\n", "'", "#", "0x", "-", "null", "off", "expect", "set"]
+PIECES += ["any", "none", "never: ", "from: master, ", "before: ", "node: ", "5", "{}", "[]"]
 
 
-@settings(max_examples=100, deadline=None)
-@given(st.integers(0, len(SHIPPED)), st.integers(0, 12), st.sampled_from(PIECES) | st.text())
+@settings(max_examples=200, deadline=None)
+@given(st.sampled_from(FILES), st.data())
 def test_whatever_a_slip_makes_of_a_file_is_told_in_lines_with_their_places(
-    tmp_path_factory, at, length, piece
+    tmp_path_factory, file, data
 ):
+    at = data.draw(st.integers(0, len(file)))
+    rest = file[at + data.draw(st.integers(0, 12)) :]
+    piece = data.draw(st.sampled_from(PIECES) | st.text())
     path = tmp_path_factory.mktemp("slip") / "story.yaml"
-    path.write_bytes((SHIPPED[:at] + piece + SHIPPED[at + length :]).encode("utf-8", "ignore"))
+    path.write_bytes((file[:at] + piece + rest).encode("utf-8", "ignore"))
     with suppress(ScenarioError):
         load(path)

@@ -4,7 +4,9 @@ ERROR = "inject: {error: {code: 0x1000}}"
 
 
 def of_master(frames):
-    return [frame for frame in frames if "#" in frame and " 085#" not in frame and "705#" not in frame]
+    return [
+        frame for frame in frames if "#" in frame and " 085#" not in frame and "705#" not in frame
+    ]
 
 
 def test_a_step_may_come_so_long_after_the_one_above(played):

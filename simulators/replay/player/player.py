@@ -86,18 +86,19 @@ class Player:
     def done(self) -> bool:
         """Whether every step has been carried out and every expectation decided."""
         if self.scenario.cleanup:
-            return self._steps.over and self._cleanup.settled
-        return self._steps.over or self._steps.settled
+            return self._steps.over and self._cleanup.agenda.settled
+        return self._steps.over or self._steps.agenda.settled
 
     @property
     def horizon(self) -> float:
         """Time of the clock at which every window so far is over, decided or not."""
-        return (max(self._steps.horizon, self._cleanup.horizon) + GRAIN) / MICROSECONDS
+        horizons = [course.agenda.horizon for course in (self._steps, self._cleanup)]
+        return (max(horizons) + GRAIN) / MICROSECONDS
 
     @property
     def verdict(self) -> Verdict:
         """What has been found; what is not decided by now counts as an error."""
-        open_ = [*self._steps.undecided, *self._cleanup.undecided]
+        open_ = [*self._steps.agenda.undecided, *self._cleanup.agenda.undecided]
         outcomes = self._judge.outcomes(open_, self._clock.ticks)
         return Verdict(str(self.scenario.file), outcomes)
 

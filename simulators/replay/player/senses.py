@@ -91,7 +91,7 @@ class Senses:
                 self._changes.append(change)
 
     def _happen(self, together: Sequence[Happening]) -> None:
-        """A frame and what it writes is one thing: who begins to listen with it begins behind it."""
+        """A frame and what it writes are one: who begins to listen with it begins behind it."""
         self._renew()
         self._present += together
         ears = tuple(self._ears)

@@ -17,6 +17,10 @@ WHOLE_MOMENT = Position(-1, 0)
 class Follower(Court, Protocol):
     """What a turn tells of itself to those it belongs to."""
 
+    @property
+    def stopped(self) -> bool:
+        """Whether nothing is carried out any more."""
+
     def begins(self, turn: Turn, since: Position) -> None:
         """Its moment has come: the next one may watch from this position on."""
 
@@ -83,6 +87,8 @@ class Turn:
 
     def _carry_out(self) -> None:
         crew, step = self._crew, self.step
+        if self._follower.stopped:
+            return
         if not self.begun and self._alarm is None:
             self._follower.begins(self, crew.senses.position)
         self._rounds += 1
