@@ -183,3 +183,23 @@ def test_what_is_read_is_as_long_as_the_server_says():
 
 def test_how_many_bytes_count_may_be_left_to_the_object():
     assert talk(download((0x2F00, 7), b"\1\2\3\4", sized=False))[1] == ["22002f0701020304"]
+
+
+def test_two_nodes_are_asked_at_the_same_time(loaded, judged):
+    scenario = loaded(
+        """\
+        version: 1
+        nodes: {left: {device: probe, node_id: 5}, right: {device: probe, node_id: 6}}
+        steps:
+          - {at: 0, node: left, inject: {sdo_late: {seconds: 0.5}}}
+          - {at: 0, node: right, inject: {sdo_late: {seconds: 0.25}}}
+          - {at: 1, node: left, read: {Byte: 0}}
+          - {at: 1, node: right, read: {Byte: 0}}
+          - {at: 1.1, node: right, read: {Word: any}}
+        """
+    )
+    assert judged(scenario) == [
+        "PASS 1.5 Byte is 0",
+        "PASS 1.25 Byte is 0",
+        "PASS 1.5 Word is 4660",
+    ]

@@ -1,8 +1,10 @@
 """How a run ends: at its time, after an error, and with a cleanup whatever came of it."""
 
 import pytest
+from probe import Probe
 
-from simulators.replay import play
+from simulators.replay import Kind, Player, play
+from simulators.segment import Segment
 
 CLEANUP = """\
 cleanup:
@@ -96,3 +98,34 @@ def test_progress_is_told_at_least_once_a_second(story):
     play(story("- {at: 3.5, expect: {emcy: none, within: 1}}\n"), progress=told.append)
     assert told[:4] == [1.0, 2.0, 3.0, 4.0]
     assert told[-1] == pytest.approx(4.500001)
+
+
+def test_nothing_is_waited_for_after_an_error(story):
+    told = []
+    play(story("- {at: 1, write: {Refusing: 1}}\n- {at: 9, nmt: stop}\n"), progress=told.append)
+    assert told[-1] == pytest.approx(1)
+
+
+def test_what_is_left_in_the_middle_of_a_run_counts_as_an_error(story):
+    segment = Segment()
+    node = segment.node(Probe(node_id=5), "probe")
+    player = Player(
+        story(
+            "- {at: 0, write: {Byte: 1}, every: 1, times: 9}\n"
+            f"- {{after: 1, nmt: stop}}\n{CLEANUP}"
+        ),
+        segment,
+        {"probe": node},
+    )
+    player.start()
+    node.power_on()
+    segment.advance(1.5)
+    assert not player.done
+    assert [(each.kind, each.line, each.seen) for each in player.verdict.outcomes] == [
+        (Kind.ERROR, 4, "the run ended before it was decided"),
+        (Kind.ERROR, 5, "1 steps from here on were not reached"),
+        (Kind.ERROR, 7, "2 steps from here on were not reached"),
+    ]
+    segment.advance(10)
+    assert player.done
+    assert player.verdict.outcomes == ()

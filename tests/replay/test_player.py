@@ -16,6 +16,23 @@ STORY = """\
 - {at: 2, expect: {value: {Error history.Number of errors: 1}, within: 1}}
 - {at: 2, expect: {emcy: none, within: 1.5}}
 """
+MOMENTS = """\
+- {when: {state: operational}, inject: {sdo_late: {seconds: 0.05}}, for: 0.7}
+- {after: 0.1, write: {Byte: 3, Text: a long text}}
+- {after: 0, read: {Text: a long text}}
+- {when: {value: {Byte: 4}}, send: 111#, every: 0.0303, times: 5}
+- {when: {frame: 111#, from: master, nth: 4}, inject: {error: {code: 0x1000}}}
+- when: {emcy: any}
+  expect: {write: {Byte: 0}, before: {nmt: stop}}
+- {at: 0.5, nmt: start}
+- {at: 2, write: {Byte: 4}}
+- {at: 2.5, send: 205#000000}
+- {at: 2.6, expect: {never: {write: {Byte: any}}}}
+- {at: 2.7, nmt: stop}
+cleanup:
+  - {power: off}
+  - {after: 0.01, expect: {silence: true, within: 0.1}}
+"""
 READ = Frame.parse("605#4008200000000000")
 
 
@@ -47,8 +64,9 @@ def stage(story):
     return lambda steps=STORY, **how: Stage(story(steps), **how)
 
 
-def test_it_does_not_matter_who_drives_the_clock_nor_when_it_began(stage):
-    at_once, late, jerky = stage(), stage(pause=12.345678), stage()
+@pytest.mark.parametrize("steps", [STORY, MOMENTS])
+def test_it_does_not_matter_who_drives_the_clock_nor_when_it_began(stage, steps):
+    at_once, late, jerky = stage(steps), stage(steps, pause=12.345678), stage(steps)
     at_once.segment.advance(5)
     late.segment.advance(5)
     for part in [0.0137] * 365:

@@ -1,4 +1,4 @@
-from simulators.replay import Kind, Verdict, play
+from simulators.replay import Kind, Outcome, Verdict, play
 from simulators.report import SHOWN
 
 
@@ -74,3 +74,9 @@ def test_the_scene_is_that_of_the_moment_it_went_wrong(story):
     assert after == [2.01, 2.02, 2.03, 2.04, 2.05]
     assert frames[SHOWN].endswith("---- here")
     assert (state, faults) == ("probe: node 5, PRE-OPERATIONAL", "  faults: none")
+
+
+def test_what_is_left_out_is_better_than_a_failure_and_worse_than_nothing_wrong():
+    assert list(Kind) == [Kind.PASS, Kind.SKIP, Kind.FAIL, Kind.ERROR]
+    verdict = Verdict("story.yaml", (Outcome(Kind.SKIP, 0.0, 1, "what", "only simulated"),))
+    assert (verdict.kind, verdict.ok) == (Kind.SKIP, True)

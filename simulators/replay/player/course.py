@@ -19,14 +19,14 @@ NEVER_CAME = Finding(Kind.ERROR, "its moment never came")
 class Course:
     """Calls `tell_over` once it is over, which is not before `duration` in seconds.
 
-    With `strict`, the first error ends it, too.
+    With `strict`, the first error ends it at once.
     """
 
     def __init__(
         self,
         steps: Steps[Step],
         crew: Crew,
-        tell_over: Callable[[], None],
+        tell_over: Callable[[], None] = lambda: None,
         duration: float = 0.0,
         strict: bool = True,
     ) -> None:
@@ -68,7 +68,11 @@ class Course:
     @property
     def stopped(self) -> bool:
         """Whether nothing is carried out any more."""
-        return self.over or (self._strict and bool(self._errors))
+        return self.over or self._failed
+
+    @property
+    def _failed(self) -> bool:
+        return self._strict and bool(self._errors)
 
     def begins(self, turn: Turn, since: Position) -> None:
         """The next one may watch from this position on."""
@@ -121,13 +125,15 @@ class Course:
     def _end(self) -> None:
         if not self.over:
             self.over = True
+            if self._failed:
+                self.agenda.horizon = self._clock.ticks
             self._close_windows()
             self._close_turns()
             self._tell_over()
 
     def _close_windows(self) -> None:
         for window in list(self.agenda.windows):
-            if self._errors and self._strict:
+            if self._failed:
                 self._drop(window, self._left_out())
             else:
                 window.close()

@@ -19,12 +19,13 @@ from simulators.replay.player.watch import GRAIN
 from simulators.replay.scenario import Scenario, Step
 from simulators.replay.signs import Entered, Written
 from simulators.replay.verdict import Outcome, Verdict
-from simulators.segment import Record, Segment
+from simulators.segment import Segment
 from simulators.services import State
 from simulators.wire import Frame
 
 NAME = "scenario"
 LONGEST = 86_400  # seconds of a run
+ANSWERS = range(0x581, 0x600)  # of SDO servers
 
 
 class Player:
@@ -49,7 +50,7 @@ class Player:
         self._wire = segment.master(NAME)
         self._begin = clock.ticks
         self._senses = Senses(self._nodes, clock)
-        self._scenes = Scenes(tuple(self._nodes.values()))
+        self._scenes = Scenes(tuple(self._nodes.values()), self._time)
         self._judge = Judge(self._scenes, self._time, self._tell_outcome)
         self._clients = {
             name: Client(node, clock, self._send) for name, node in self._nodes.items()
@@ -65,7 +66,7 @@ class Player:
             self._tell,
         )
         self._steps = Course(scenario.steps, crew, self._clean_up, scenario.duration)
-        self._cleanup = Course(scenario.cleanup, crew, self._finish, strict=False)
+        self._cleanup = Course(scenario.cleanup, crew, strict=False)
 
     def start(self) -> None:
         """The scenario begins now; its first steps come with the next move of the clock."""
@@ -103,9 +104,10 @@ class Player:
         return Verdict(str(self.scenario.file), outcomes)
 
     def _hear(self, frame: Frame, sender: str) -> None:
-        self._scenes.hear(Record(self._time(self._clock.ticks), frame, sender))
-        for client in self._clients.values():
-            client.hear(frame)
+        self._scenes.hear(self._clock.ticks, frame, sender)
+        if frame.can_id in ANSWERS:
+            for client in self._clients.values():
+                client.hear(frame)
         self._senses.hear(frame, sender)
 
     def _send(self, frame: Frame) -> None:
@@ -115,9 +117,6 @@ class Player:
     def _clean_up(self) -> None:
         self._limit.cancel()
         self._cleanup.start()
-
-    def _finish(self) -> None:
-        pass
 
     def _time(self, tick: int) -> float:
         return (tick - self._begin) / MICROSECONDS

@@ -1,11 +1,12 @@
 """What is shown of the moment at which something was not as it should be."""
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from simulators.node import Node
 from simulators.report import SHOWN, device_state, last_frames
 from simulators.segment import Record
+from simulators.wire import Frame
 
 AFTERWARDS = 5  # frames
 
@@ -35,17 +36,22 @@ class Scene:
 
 
 class Scenes:
-    """Keeps the last frames, and the scenes that are waiting for the next ones."""
+    """Keeps the last frames, and the scenes that are waiting for the next ones.
 
-    def __init__(self, nodes: Sequence[Node]) -> None:
+    `time` gives the seconds of the scenario for a microsecond of the clock.
+    """
+
+    def __init__(self, nodes: Sequence[Node], time: Callable[[int], float]) -> None:
         self._nodes = nodes
-        self._recent: deque[Record] = deque(maxlen=SHOWN)
+        self._time = time
+        self._recent: deque[tuple[int, Frame, str]] = deque(maxlen=SHOWN)
         self._open: list[Scene] = []
 
-    def hear(self, record: Record) -> None:
+    def hear(self, tick: int, frame: Frame, sender: str) -> None:
         """Take a frame."""
-        self._recent.append(record)
+        self._recent.append((tick, frame, sender))
         if self._open:
+            record = Record(self._time(tick), frame, sender)
             for scene in self._open:
                 scene.hear(record)
             self._open = [scene for scene in self._open if not scene.complete]
@@ -58,4 +64,5 @@ class Scenes:
 
     def look(self, time: float) -> Scene:
         """The scene of this moment, as it is."""
-        return Scene(tuple(self._recent), self._nodes, time)
+        records = [Record(self._time(tick), frame, sender) for tick, frame, sender in self._recent]
+        return Scene(records, self._nodes, time)

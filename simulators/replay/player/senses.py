@@ -68,14 +68,16 @@ class Senses:
     def hear(self, frame: Frame, sender: str) -> None:
         """Take a frame from the bus, after the nodes have had it."""
         sent = Sent(frame, self._senders.get(sender))
-        if self._changes:
-            self._flush(lambda change: change.node is sent.node)
-        if self._writes:
-            self._happen((sent, *chain(*(each.follow(sent) for each in self._writes.values()))))
+        if self._changes or self._writes:
+            self._hear_all(sent)
         else:
             self._happen((sent,))
-        if self._changes:
-            self._flush()
+
+    def _hear_all(self, sent: Sent) -> None:
+        self._flush(lambda change: change.node is sent.node)
+        written = (writes.follow(sent) for writes in self._writes.values())
+        self._happen((sent, *chain.from_iterable(written)))
+        self._flush()
 
     def _on_state(self, node: Node, state: State) -> None:
         """What a node does follows its new state; what others send has been the cause."""
@@ -92,12 +94,14 @@ class Senses:
 
     def _happen(self, together: Sequence[Happening]) -> None:
         """A frame and what it writes are one: who begins to listen with it begins behind it."""
-        self._renew()
+        if self._moment != self._clock.ticks:
+            self._renew()
         self._present += together
-        ears = tuple(self._ears)
-        for one in together:
-            for ear in ears:
-                ear(one)
+        if self._ears:
+            ears = tuple(self._ears)
+            for one in together:
+                for ear in ears:
+                    ear(one)
 
     def _renew(self) -> None:
         if self._moment != self._clock.ticks:

@@ -82,7 +82,7 @@ class Window:
 
     def _missed(self) -> Finding:
         there, told = self._signs[0].now
-        return Finding(Kind.PASS if there is not self._expectation.never else Kind.FAIL, told)
+        return Finding(Kind.PASS if there != self._expectation.never else Kind.FAIL, told)
 
     @property
     def _now(self) -> int:
