@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import NamedTuple
 
-from library.proofs import Fact, Injected, Proof, Told, Value
+from library.proofs import Fact, Injected, Proof, Told, Value, shipped
 from simulators import devices
 from simulators.faults import Fault
 from simulators.messages import BitMessage, EmcyMessage, Message
@@ -52,7 +52,7 @@ def faults(device: str) -> Iterator[Row]:
 
 def faults_of_all() -> Iterator[Row]:
     """The faults that every device has; one device is enough."""
-    for name, fault in _known(devices.names()[0]).items():
+    for name, fault in _known(shipped()[0]).items():
         if fault.level != OF_DEVICE:
             yield Row(f"`{name}`", fault.text, partial(_anywhere, partial(_is, name)))
 

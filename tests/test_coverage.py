@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from library import report
-from library.proofs import proofs, prove
+from library.proofs import proofs, prove, shipped
 from library.rows import Row, faults, faults_of_all, messages, stories
 from simulators import devices
 from simulators.replay import load
@@ -49,7 +49,7 @@ def test_what_a_scenario_is_about_is_a_statement_that_a_test_proves_as_well():
     assert {name for proof in proofs() for name in proof.covers} <= tested
 
 
-@pytest.mark.parametrize("device", devices.names())
+@pytest.mark.parametrize("device", shipped())
 def test_a_device_has_lines_for_all_it_tells_and_all_its_faults(device):
     whole = devices.create(device)
     names = [row.name for row in messages(device)]
