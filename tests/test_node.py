@@ -58,6 +58,21 @@ def test_a_power_cycle_starts_everything_volatile_afresh(bench):
     assert bench.run(1.0) == []
 
 
+def test_whoever_listens_hears_of_every_state_a_node_enters(bench):
+    heard = []
+    bench.twin.node.listeners.append(heard.append)
+    for request in ("000#0105", "000#0105", "000#0205", "000#8205"):
+        bench.send(request)
+    bench.power_off()
+    assert heard == [
+        State.OPERATIONAL,
+        State.STOPPED,
+        State.INITIALISING,
+        State.PRE_OPERATIONAL,
+        State.INITIALISING,
+    ]
+
+
 def test_reset_communication_renews_the_communication_area_only(bench):
     for write in ("605#2B17100064000000", "605#2B01200001000000", "605#2B00210007000000"):
         bench.send(write)

@@ -209,7 +209,7 @@ def test_only_a_write_to_the_communication_area_changes_communication(
     changed = []
     slave.on_communication_change = lambda: changed.append(True)
     write(slave, address, data)
-    assert len(changed) == changes
+    assert len(changed) == slave.changes == changes
 
 
 def test_a_bug_in_an_object_is_no_answer_of_the_device(slave):

@@ -3,7 +3,10 @@
 from binascii import crc_hqx
 
 import pytest
+from probe import Probe
 
+from simulators import Bench
+from simulators.replay import Player
 from simulators.replay.player.downloads import Downloaded, Downloads
 
 
@@ -144,3 +147,29 @@ def test_a_segment_that_is_repeated_counts_once():
     segment = "00 61626364656667"
     requests = ["21052000 08000000", segment, segment, "1D 68000000000000"]
     assert asked(requests) == [Downloaded((0x2005, 0), b"abcdefgh")]
+
+
+@pytest.mark.parametrize("block", [False, True])
+def test_what_a_real_master_writes_counts_whatever_the_transfer(story, block):
+    text = "a text that takes a good many segments, and then some more of them"
+    scenario = story(
+        f"- {{at: 0, expect: {{write: {{Text: '{text}'}}, within: 1}}}}\n"
+        "- {at: 0, expect: {write: {Byte: 7, Word: 8}, within: 1}}\n"
+    )
+    bench = Bench.of({"probe": Probe(block=True)})
+    player = Player(scenario, bench.segment, {"probe": bench["probe"].node})
+    player.start()
+    bench.run(0.5)
+    with bench.sdo[0x2005].open(
+        "wb", size=len(text), block_transfer=block, buffering=1024
+    ) as stream:
+        stream.write(text.encode())
+    remote = bench["probe"].remote
+    remote.rpdo.read()
+    remote.rpdo[1]["Byte"].raw, remote.rpdo[1]["Word"].raw = 7, 8
+    remote.rpdo[1].transmit()
+    assert player.done
+    assert [each.seen for each in player.verdict.outcomes] == [
+        f"Text = {text!r}",
+        "Byte = 7, Word = 8",
+    ]

@@ -24,7 +24,7 @@ class Agenda:
         self.windows: list[Window] = []
         """Those that are not decided."""
         self.horizon = 0
-        """The last microsecond of every window so far, decided or not."""
+        """The last microsecond of all that is known to come, of windows even if decided."""
         self._lasts = 0  # not over before this microsecond
         self._clock = clock
         self._end = end
@@ -40,9 +40,10 @@ class Agenda:
     def last_until(self, tick: int) -> None:
         """It is not over before the end of a microsecond."""
         self._lasts = max(self._lasts, tick + GRAIN)
+        self.reach(tick)
 
     def reach(self, tick: int) -> None:
-        """A window is open until then, at most."""
+        """Something may still come then."""
         self.horizon = max(self.horizon, tick)
 
     def expect(self, turn: Turn) -> None:

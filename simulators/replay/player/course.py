@@ -1,7 +1,6 @@
 """Steps one after the other, each at its moment, until the last expectation is decided."""
 
-from collections.abc import Callable
-from collections.abc import Sequence as Steps
+from collections.abc import Callable, Sequence
 
 from simulators.clock import microseconds
 from simulators.replay.expect import Expectation
@@ -24,7 +23,7 @@ class Course:
 
     def __init__(
         self,
-        steps: Steps[Step],
+        steps: Sequence[Step],
         crew: Crew,
         tell_over: Callable[[], None] = lambda: None,
         duration: float = 0.0,
@@ -46,9 +45,7 @@ class Course:
         self.agenda.begin(self._duration)
         for turn in self._turns:
             if isinstance(turn.step.moment, At):
-                tick = self._clock.ticks + microseconds(turn.step.moment.seconds)
-                self._schedule(turn, tick)
-                self.agenda.reach(tick + microseconds(_takes(turn.step)))
+                self._schedule(turn, self._clock.ticks + microseconds(turn.step.moment.seconds))
         for turn in self._turns[:1]:
             self._prepare(turn, self._crew.senses.position)
             self._follow(turn, self._crew.senses.position)
@@ -118,6 +115,7 @@ class Course:
 
     def _schedule(self, turn: Turn, tick: int, since: Position = WHOLE_MOMENT) -> None:
         self.agenda.expect(turn)
+        self.agenda.reach(tick + microseconds(_takes(turn.step)))
         turn.schedule(tick, since)
 
     # the end

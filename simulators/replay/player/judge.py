@@ -1,6 +1,6 @@
 """Takes down what is found, with the scene of what did not pass."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 from simulators.replay.player.scenes import Scene, Scenes
@@ -34,10 +34,10 @@ class Judge:
         self._decided.append((outcome, scene))
         self._tell(step, outcome)
 
-    def outcomes(self, open_: list[tuple[Step, Finding]], tick: int) -> tuple[Outcome, ...]:
-        """All that has been decided, and what would come of the rest at this moment."""
+    def outcomes(self, undecided: Iterable[tuple[Step, Finding]], tick: int) -> tuple[Outcome, ...]:
+        """All that has been decided, and what is to be said of the rest at this moment."""
         outcomes = [replace(each, scene=str(scene or "")) for each, scene in self._decided]
-        for step, finding in open_:
+        for step, finding in undecided:
             scene = self._scenes.look(self._time(tick))
             outcomes.append(replace(self._outcome(step, finding, tick), scene=str(scene)))
         return tuple(sorted(outcomes, key=lambda outcome: outcome.line))

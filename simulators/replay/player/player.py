@@ -92,15 +92,15 @@ class Player:
 
     @property
     def horizon(self) -> float:
-        """Time of the clock at which every window so far is over, decided or not."""
+        """Time of the clock before which the run is not over, unless an error ends it."""
         horizons = [course.agenda.horizon for course in (self._steps, self._cleanup)]
         return (max(horizons) + GRAIN) / MICROSECONDS
 
     @property
     def verdict(self) -> Verdict:
         """What has been found; what is not decided by now counts as an error."""
-        open_ = [*self._steps.agenda.undecided, *self._cleanup.agenda.undecided]
-        outcomes = self._judge.outcomes(open_, self._clock.ticks)
+        undecided = [*self._steps.agenda.undecided, *self._cleanup.agenda.undecided]
+        outcomes = self._judge.outcomes(undecided, self._clock.ticks)
         return Verdict(str(self.scenario.file), outcomes)
 
     def _hear(self, frame: Frame, sender: str) -> None:

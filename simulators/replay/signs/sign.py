@@ -57,7 +57,7 @@ class Sign:
         return False
 
     def is_kin(self, happening: Happening, node: Node) -> bool:
-        """Whether this is worth telling where what is meant has not come."""
+        """Whether this is worth telling where what is meant has not come; that itself always is."""
         return self.sees(happening, node)
 
     def tell(self, happening: Happening) -> str:
