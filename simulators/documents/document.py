@@ -1,6 +1,6 @@
 """A file as values that know their place in it, and say what is wrong with them."""
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cached_property
 from math import isfinite
@@ -118,23 +118,6 @@ class Item:
                     again = f"{pair.key.text!r} stands here twice, first in line {first.key.line}"
                     raise pair.key.wrong(f"{again}; leave one of them out")
         return pairs
-
-    def fields(self, required: Collection[str], optional: Iterable[str] = ()) -> dict[str, "Item"]:
-        """The values of known keys.
-
-        Whatever else stands here is noted as a problem, and so is what is missing.
-        """
-        pairs: Mapping[str, Pair] = {}
-        known = (*required, *optional)
-        with self.problems.at(self):
-            pairs = self.pairs
-            for key in required:
-                if key not in pairs:
-                    self.problems.add(self.mark, f"{key!r} is missing")
-        for key, pair in pairs.items():
-            if key not in known:
-                self.problems.add(pair.key.mark, str(unknown("key", key, known)))
-        return {key: pair.value for key, pair in pairs.items() if key in known}
 
     def one_of(self, what: str, known: Collection[str]) -> str:
         """One word out of several."""

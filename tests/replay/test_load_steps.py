@@ -133,6 +133,7 @@ def test_a_write_that_shall_be_refused_has_its_rules_too(problem, step, wrong):
         ("{value: {Byt: 1}}", "4:30: unknown object 'Byt': did you mean 'Byte'?"),
         ("{value: {Byte: one}}", "4:36: 'one' is no number"),
         ("{value: {Byte: {}}}", "4:36: wanted is {is: 5}, {is: 5, tolerance: 1}, {min: 4}"),
+        ("{value: {Byte: {mni: 1}}}", "4:37: unknown key 'mni': did you mean 'min'?"),
         ("{value: {Byte: {tolerance: 5}}}", "4:36: wanted is {is: 5}"),
         ("{value: {Byte: {is: 1, max: 5}}}", "4:36: wanted is {is: 5}"),
         ("{value: {Byte: {min: 1, tolerance: 5}}}", "4:36: wanted is {is: 5}"),

@@ -6,9 +6,9 @@ from pathlib import Path
 from simulators.devices.gateway.model.parameters import Catalogue, Unit
 from simulators.documents.document import Item, Pair, read
 from simulators.documents.problems import Problems
-from simulators.errors import UserError
+from simulators.errors import UserError, unknown
 
-VERSION = 1
+VERSION_KEY, VERSION = "version", 1
 UNITS = [unit.value for unit in Unit]
 
 
@@ -19,14 +19,25 @@ def read_configuration(path: Path, known: Catalogue) -> Mapping[str, Mapping[int
         DocumentError: with a line for everything that is wrong, each with its place.
     """
     problems = Problems(str(path))
-    fields = read(path, problems).fields(("version",), UNITS)
-    if "version" in fields:
-        with problems.at(fields["version"]):
-            if fields["version"].whole != VERSION:
-                raise UserError(f"version {fields['version'].text} is unknown; this is {VERSION}")
-    content = {unit: _values(fields[unit], Unit(unit), known) for unit in UNITS if unit in fields}
+    content = {}
+    with problems.at(file := read(path, problems)):
+        _check_version(file)
+        for name, pair in file.pairs.items():
+            if name in UNITS:
+                content[name] = _values(pair.value, Unit(name), known)
+            elif name != VERSION_KEY:
+                problems.add(pair.key.mark, str(unknown("key", name, (VERSION_KEY, *UNITS))))
     problems.settle()
     return content
+
+
+def _check_version(file: Item) -> None:
+    with file.problems.at(file):
+        if VERSION_KEY not in file.pairs:
+            raise UserError(f"{VERSION_KEY!r} is missing")
+        version = file.pairs[VERSION_KEY].value
+        if version.whole != VERSION:
+            raise version.wrong(f"version {version.text} is unknown; this is {VERSION}")
 
 
 def _values(item: Item, unit: Unit, known: Catalogue) -> Mapping[int, float]:
