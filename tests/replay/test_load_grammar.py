@@ -196,6 +196,7 @@ def test_objects_of_any_length_are_read_and_written(read):
         ("at: 1, after: 2, send: 080#", "6:5: at and after at once: a step has one of at, after"),
         ("at: 1, nmt: start", "6:5: 'node' is missing: which of left, right"),
         ("at: 1, node: rigth, nmt: start", "6:19: unknown node 'rigth': did you mean 'right'?"),
+        ("at: 1, node: rigth, send: 080#", "6:19: unknown node 'rigth': did you mean 'right'?"),
         ("at: 1, every: 1, node: left, nmt: start", "6:20: 'every' stands beside 'times' only"),
         ("at: 1, times: 2, node: left, nmt: start", "6:20: 'times' stands beside 'every' only"),
         ("at: 1, every: 0, times: 2, send: 080#", "6:20: 0 s is no time; it has to be more"),

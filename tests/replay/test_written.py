@@ -3,6 +3,8 @@
 from binascii import crc_hqx
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from probe import Probe
 
 from simulators import Bench
@@ -173,3 +175,20 @@ def test_what_a_real_master_writes_counts_whatever_the_transfer(story, block):
         f"Text = {text!r}",
         "Byte = 7, Word = 8",
     ]
+
+
+FRAMES = st.binary(min_size=8, max_size=8)
+
+
+@given(st.lists(st.tuples(st.booleans(), FRAMES), max_size=40))
+def test_whatever_is_on_the_bus_is_followed(frames):
+    downloads, initiated = Downloads(), 0
+    for by_client, data in frames:
+        if by_client:
+            initiated += data[0] >> 5 in (1, 6)
+            written = list(downloads.ask(data))
+            assert len(written) <= 1
+            initiated -= len(written)
+        else:
+            downloads.answer(data)
+    assert initiated >= 0

@@ -32,7 +32,7 @@ class StepReader:
             return
         with problems.at(place):
             self._check_order(place, moment, does)
-        self.steps.append(_step(told, moment, does, self._name(told)))
+            self.steps.append(_step(told, moment, does, self._name(told)))
 
     def _moment(self, told: Deed) -> Moment:
         if told.after is not None:
