@@ -11,6 +11,7 @@ from simulators.chart import Chart
 from simulators.errors import UserError
 from simulators.faults import Fault
 from simulators.memory import Memory
+from simulators.messages import Message
 from simulators.objects import Address, Object, Rejected
 from simulators.profile import Profile
 from simulators.services import Service, State
@@ -92,6 +93,11 @@ class Device:
     @property
     def faults(self) -> Mapping[str, Fault]:
         """What can be injected."""
+        return {}
+
+    @property
+    def messages(self) -> Mapping[str, Message]:
+        """What a master can be told, by the names of the manual and in its order."""
         return {}
 
     @property

@@ -312,6 +312,18 @@ def test_an_endless_loop_answers_nobody(operational, test):
 
 
 @pytest.mark.spec("G-192")
+def test_a_serial_number_that_cannot_be_displayed_is_not_told_to_the_master_either(operational):
+    bench = operational()
+    known = read(bench, 0x1018, 4)
+    bench.inject("eeprom", unit="gateway", code=1 << 3)
+    bench.run(0.5)
+    assert (read(bench, 0x1018, 4), bench.device.gateway[3844]) == (0, 0)
+    bench.clear("eeprom")
+    bench.run(0.5)
+    assert read(bench, 0x1018, 4) == known != 0
+
+
+@pytest.mark.spec("G-192")
 def test_a_damaged_eeprom(operational):
     bench = operational({}, {428: 9})
     bench.inject("eeprom", unit="gateway", code=1 << 5)

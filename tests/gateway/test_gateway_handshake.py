@@ -4,7 +4,7 @@ from simulators.devices.gateway.model.canopen_bus import BootUp
 from simulators.devices.gateway.model.canopen_errors import CanopenError
 from simulators.devices.gateway.model.handshake import NEXT, UNDERWAY, Event, Handshake, Phase
 from simulators.devices.gateway.model.parameters import Unit
-from simulators.devices.gateway.model.state import GovernorCommand, State
+from simulators.devices.gateway.model.state import GovernorCommand, MasterCommand, State
 from simulators.devices.gateway.model.telegrams import (
     BinaryPart,
     Command,
@@ -72,7 +72,39 @@ def test_a_repaired_gateway_is_initialised_after_its_reset(plain):
     repair(rig)
     rig.gateway.reset()
     assert [message for _, message in rig.run(0.3)] == [BootUp()]
+
+
+@pytest.mark.spec("G-054", "G-141", "G-152")
+@pytest.mark.parametrize(
+    "end",
+    [
+        lambda rig: rig.system.command(MasterCommand.OPERATIONAL),
+        lambda rig: rig.governor.desk.clear_errors(),
+    ],
+)
+def test_12412_is_told_in_preoperational_until_operational_or_until_it_is_cleared(plain, end):
+    rig = plain(OWN_IS_PARTNER)
+    rig.system.power_on()
+    rig.run(1.0)
+    repair(rig)
+    rig.gateway.reset()
+    rig.run(0.3)
+    assert (rig.system.state, rig.word) == (State.PRE_OPERATIONAL, 0x0002)
+    end(rig)
+    rig.run(0.1)
     assert rig.word == 0
+
+
+@pytest.mark.spec("G-025", "G-141")
+def test_a_gateway_that_has_never_heard_its_governor_is_initialised_after_its_reset(plain):
+    rig = plain()
+    rig.system.link.to[Unit.GATEWAY].cut = True
+    rig.system.power_on()
+    rig.run(1.25)
+    rig.system.link.to[Unit.GATEWAY].cut = False
+    assert rig.run(2.0) == []
+    rig.gateway.reset()
+    assert [message for _, message in rig.run(0.3)] == [BootUp()]
 
 
 @pytest.mark.spec("G-027")

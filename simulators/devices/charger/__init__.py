@@ -24,6 +24,7 @@ from simulators.devices.charger.settings import Settings
 from simulators.devices.charger.storage import Storage
 from simulators.devices.charger.transfer import CYCLE
 from simulators.faults import Fault
+from simulators.messages import Message
 from simulators.objects import Address, Object, Rejected
 from simulators.services import Service
 from simulators.services.emcy import Emcy
@@ -83,6 +84,11 @@ class Device(device.Device):
     def emergencies(self) -> Sequence[Emcy]:
         """Errors and warnings, latched until 2003h clears them."""
         return tuple(map(messages.emcy, self.charger.messages.active))
+
+    @property
+    def messages(self) -> Mapping[str, Message]:
+        """Errors and warnings by kind and number."""
+        return messages.told(self.catalogue)
 
     def farewell(self, gone: Emcy, register: int) -> Emcy:
         """Every clear is confirmed by itself (A-36)."""

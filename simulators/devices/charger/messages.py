@@ -6,6 +6,7 @@ from pathlib import Path
 
 from simulators.devices.charger.model.catalogue import Catalogue, Kind, Message, read_catalogue
 from simulators.errors import UserError, unknown
+from simulators.messages import EmcyMessage
 from simulators.resources import od_file
 from simulators.services.emcy import FIELD_LENGTH, NO_ERROR, Emcy
 from simulators.yaml_file import read_table
@@ -36,6 +37,16 @@ def emcy(message: Message) -> Emcy:
     """A message as it is told: type and number are the error field."""
     label = f"{message.kind.name} {message.number:#04x} {message.key.replace('_', ' ')}"
     return Emcy(message.emcy, message.register, _field(message), label.lower().strip())
+
+
+def told(messages: Catalogue) -> Mapping[str, EmcyMessage]:
+    """All messages as a master is told of them, by kind and number."""
+    return {
+        f"{message.kind.name.lower()} {message.number:#04x}": EmcyMessage(
+            message.key.replace("_", " "), message.emcy, _identity(message)
+        )
+        for message in messages
+    }
 
 
 def acknowledgement(gone: Emcy, register: int, *, identified: bool) -> Emcy:
@@ -71,4 +82,8 @@ def _register(code: int) -> int:
 
 
 def _field(message: Message) -> bytes:
-    return bytes([message.kind.value, message.number]).ljust(FIELD_LENGTH, b"\0")
+    return _identity(message).ljust(FIELD_LENGTH, b"\0")
+
+
+def _identity(message: Message) -> bytes:
+    return bytes([message.kind.value, message.number])

@@ -11,6 +11,7 @@ from simulators.devices.gateway.chart import chart
 from simulators.devices.gateway.dcdesk import DcDesk
 from simulators.devices.gateway.emergencies import emergencies
 from simulators.devices.gateway.faults import faults
+from simulators.devices.gateway.messages import MESSAGES
 from simulators.devices.gateway.model.state import MasterCommand
 from simulators.devices.gateway.model.store import Store
 from simulators.devices.gateway.model.system import System
@@ -22,6 +23,7 @@ from simulators.devices.gateway.report import report, silence
 from simulators.devices.gateway.settings import Settings
 from simulators.devices.gateway.traffic import STATES, Disturbance, Traffic
 from simulators.faults import Fault
+from simulators.messages import Message
 from simulators.objects import Address, Object
 from simulators.services import Service, State
 from simulators.services.emcy import Emcy
@@ -133,6 +135,11 @@ class Device(device.Device):
         return emergencies(self.system, self.node_id) if wanted else ()
 
     @property
+    def messages(self) -> Mapping[str, Message]:
+        """The bits of 2005h."""
+        return MESSAGES
+
+    @property
     def faults(self) -> Mapping[str, Fault]:
         """Causes in the units, between them and around them."""
         return faults(self)
@@ -151,7 +158,7 @@ class Device(device.Device):
         """The EDS with what the handshake has created, or will create (A-03)."""
         od = super().dictionary()
         fill(od, self.system.dictionary or self.system.planned)
-        identify(od, self._parameters, self.system.gateway.shown)
+        identify(od, self._parameters, self.system.gateway)
         return od
 
     def pdos(self, slave: Slave) -> Iterable[Service]:

@@ -9,6 +9,8 @@ from canopen.objectdictionary import ODArray, ODVariable
 from canopen.objectdictionary.datatypes import UNSIGNED16, UNSIGNED32
 
 from simulators.devices.gateway.model.dictionary import DIGITAL, Dictionary, Pdo
+from simulators.devices.gateway.model.machines import Gateway
+from simulators.devices.gateway.model.measurements import measured as displayed
 from simulators.devices.gateway.model.store import Store
 from simulators.devices.gateway.model.system import System
 from simulators.objects import Object
@@ -47,13 +49,14 @@ def _activate(od: ObjectDictionary, record: int, mapping: int, pdo: Pdo) -> None
         _record(od, mapping).add_member(variable)
 
 
-def identify(od: ObjectDictionary, settings: Store, shown: Mapping[int, float]) -> None:
+def identify(od: ObjectDictionary, settings: Store, unit: Gateway) -> None:
     """Show the parameters that objects of the communication area stand for (A-06)."""
     partner, limit = settings[PARTNER], settings[LIMIT]
     _set(od, 0x1016, 1, partner << 16 | limit if partner and limit else 0)
     _set(od, 0x1017, 0, settings[PERIOD])
     _set(od, 0x1018, 3, 0)
-    _set(od, 0x1018, 4, int(shown[SERIAL_DATE]) << 16 | int(shown[SERIAL_NUMBER]))
+    date, number = (int(displayed(unit, part)) for part in (SERIAL_DATE, SERIAL_NUMBER))
+    _set(od, 0x1018, 4, date << 16 | number)
 
 
 def measured(system: System) -> Mapping[tuple[int, int], Object]:

@@ -12,13 +12,14 @@ from simulators.devices.topcon import card, unit_types
 from simulators.devices.topcon.chart import chart
 from simulators.devices.topcon.control import Control
 from simulators.devices.topcon.faults import faults
-from simulators.devices.topcon.messages import PROTOCOL_ERROR, UNIT, CardErrors
+from simulators.devices.topcon.messages import KINDS, PROTOCOL_ERROR, UNIT, CardErrors
 from simulators.devices.topcon.model import Mode, OutputStage
 from simulators.devices.topcon.panel import Panel
 from simulators.devices.topcon.registers import Registers
 from simulators.devices.topcon.scale import Scale
 from simulators.devices.topcon.settings import Settings
 from simulators.faults import Fault
+from simulators.messages import Message
 from simulators.objects import Abort, Address, Object, Rejected
 from simulators.services import State
 from simulators.services.emcy import Emcy
@@ -85,6 +86,11 @@ class Device(device.Device):
         """Errors of the unit and of the card, latched until command 2."""
         errors, card_errors = self.stage.errors, self.card_errors.active
         return (*(UNIT[error] for error in errors), *card_errors) if errors else card_errors
+
+    @property
+    def messages(self) -> Mapping[str, Message]:
+        """The codes of chapter 8."""
+        return KINDS
 
     @property
     def faults(self) -> Mapping[str, Fault]:

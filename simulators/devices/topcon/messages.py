@@ -1,11 +1,20 @@
 """Emergency messages of chapter 8: the errors of the unit by number, those of the card by code."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import groupby
 
 from simulators.errors import UserError
+from simulators.messages import EmcyMessage
 from simulators.services.emcy import Emcy, read_emcy_table
 
 TABLE = read_emcy_table("topcon_emcy.csv")
+
+
+def _told(labels: Sequence[str]) -> str:
+    others = len(labels) - 1
+    return labels[0] if not others else f"{labels[0]}, and {others} more"
+
+
 UNIT: Mapping[int, Emcy] = {
     int.from_bytes(emcy.field, "little"): emcy
     for (code, detail), emcy in TABLE.items()
@@ -15,6 +24,10 @@ CARD: Mapping[int, Emcy] = {
     code: emcy
     for (code, detail), emcy in TABLE.items()
     if code and not detail and code != 0x6100  # A-63: they have no error number
+}
+KINDS: Mapping[str, EmcyMessage] = {  # chapter 8: a table for each code
+    f"{code:#06x}": EmcyMessage(_told([emcy.label for emcy in emcies]), code)
+    for code, emcies in groupby(TABLE.values(), lambda emcy: emcy.code)
 }
 PROTOCOL_ERROR = CARD[0x8200]  # Tab. 82: a parameter exceeds its limit
 

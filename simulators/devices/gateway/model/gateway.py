@@ -1,5 +1,6 @@
 """Programme of the gateway: two sources of commands, the dialogue with the governor, and errors."""
 
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -190,4 +191,4 @@ class GatewayProgramme(Programme):
         alive = GatewayAlive(self.state, mine.session, mine.fresh, self._ready, self.errors.own)
         if alive != self._told:
             self._told = alive
-            self.can.send(alive)
+            self.can.send(replace(alive, first=self._cycles == 0))

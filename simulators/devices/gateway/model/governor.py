@@ -80,7 +80,8 @@ class GovernorProgramme(Programme):
         self._lead_gateway()
         self._evaluate_inputs()
         self.control.step(tripped=self.tripped)
-        self.errors.follow(CanopenError.INIT, self.handshake.phase is Phase.FAILED)
+        if self.handshake.phase is Phase.FAILED:
+            self.errors.own |= CanopenError.INIT
         self.errors.follow(CanopenError.TIME_CTRL, self.inputs.tripped)
         self.evaluate()
         self._tell()

@@ -89,7 +89,7 @@ class Handshake:
     def heard(self, gateway: GatewayAlive) -> None:
         """The gateway tells its state; only what it says of the current session is believed."""
         before, self.gateway = self.gateway, gateway
-        was_reset = before is not None and gateway.epoch < before.epoch
+        was_reset = gateway.first or (before is not None and gateway.epoch < before.epoch)
         if was_reset:
             self.state = State.UNDEFINED
         elif gateway.epoch == self._session:

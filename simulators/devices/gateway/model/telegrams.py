@@ -112,6 +112,8 @@ class GatewayAlive:
     ready: bool
     """Whether an initialisation makes sense: nothing is wrong that forbids it."""
     errors: CanopenError
+    first: bool = False
+    """Nothing was told since the last reset."""
 
 
 @dataclass(frozen=True)
