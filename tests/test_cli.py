@@ -274,6 +274,19 @@ def test_what_a_device_stores_is_there_in_the_next_run(told, tmp_path):
     assert told(STORED, "--nvram", memory)[0] == 0
 
 
+def test_what_a_device_keeps_when_its_supply_goes_is_kept_when_a_run_is_stopped(tmp_path):
+    memory = tmp_path / "memory.bin"
+    command = [sys.executable, "-m", "simulators", "run", "charger", "-i", "virtual"]
+    with subprocess.Popen(
+        [*command, "--nvram", memory], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as run:
+        run.stdout.readline()
+        stored = memory.read_bytes() if memory.exists() else b""
+        run.send_signal(signal.SIGTERM)
+        run.communicate(timeout=10)
+    assert memory.read_bytes() != stored
+
+
 def test_a_memory_belongs_to_one_run_at_a_time(said, tmp_path):
     memory = tmp_path / "memory"
     with held(memory):

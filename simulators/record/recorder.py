@@ -43,9 +43,13 @@ def record(folder: Path, told: About, scenario: bytes | None) -> Iterator[Observ
                 if player is not None:
                     player.listeners.append(journal.hear_player)
 
-            yield attach
-            for journal in journals:
-                journal.end()
+            try:
+                yield attach
+                for journal in journals:
+                    journal.end()
+            finally:  # that the supply goes is no part of the run
+                for journal in journals:
+                    journal.close()
 
 
 def _lines(path: Path) -> TextIO:
@@ -62,8 +66,9 @@ class Journal:
         self._nodes = {node.wire.name: node for node in segment.nodes}
         self._decoder = Decoder(segment.nodes)
         segment.listeners.append(self._hear)
+        self._hear_states = {name: partial(self._hear_state, name) for name in self._nodes}
         for name, node in self._nodes.items():
-            node.listeners.append(partial(self._hear_state, name))
+            node.listeners.append(self._hear_states[name])
 
     def hear_player(self, event: Event) -> None:
         """What the scenario does; of states the nodes tell themselves."""
@@ -73,6 +78,11 @@ class Journal:
     def end(self) -> None:
         """The run is over."""
         self._note(END)
+
+    def close(self) -> None:
+        """Listen no more."""
+        for name, node in self._nodes.items():
+            node.listeners.remove(self._hear_states[name])
 
     def _hear(self, frame: Frame, sender: str) -> None:
         if not sender:

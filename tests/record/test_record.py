@@ -105,7 +105,7 @@ def test_only_one_run_at_a_time_can_be_kept(said, story, tmp_path):
     for option in ("--record", "--trace"):
         code, out, err = said("play", story(), story(), option, tmp_path / "kept.log")
         assert (code, out) == (2, "")
-        assert "one run at a time" in err
+        assert "keeps one run" in err
 
 
 def test_a_run_that_is_cut_short_leaves_a_part(story, tmp_path):

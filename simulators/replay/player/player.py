@@ -101,7 +101,8 @@ class Player:
         """What has been found; what is not decided by now counts as an error."""
         undecided = [*self._steps.agenda.undecided, *self._cleanup.agenda.undecided]
         outcomes = self._judge.outcomes(undecided, self._clock.ticks)
-        return Verdict(str(self.scenario.file), outcomes)
+        told, now = self.scenario, self._time(self._clock.ticks)
+        return Verdict(str(told.file), outcomes, told.name, told.seed, seconds=now)
 
     def _hear(self, frame: Frame, sender: str) -> None:
         self._scenes.hear(self._clock.ticks, frame, sender)
