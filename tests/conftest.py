@@ -6,6 +6,8 @@ from probe import Probe
 
 from simulators import Bench
 
+pytest_plugins = ["pytester"]
+
 # the same examples in every run, however slow the machine
 settings.register_profile("reproducible", derandomize=True, deadline=None)
 settings.load_profile("reproducible")

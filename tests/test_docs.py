@@ -11,8 +11,6 @@ from simulators import devices
 from simulators.cli import main
 from simulators.settings import about
 
-pytest_plugins = ["pytester"]
-
 DOCS = Path(__file__).parent.parent / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
 BLOCK = re.compile(r"^```(\w+)(?: file=(\S+))?\n(.*?)^```$", re.MULTILINE | re.DOTALL)

@@ -8,8 +8,6 @@ from simulators.cli import main
 
 README = Path(__file__).parent.parent / "README.md"
 
-pytest_plugins = ["pytester"]
-
 
 def blocks(language):
     return re.findall(rf"```{language}\n(.*?)```", README.read_text("utf-8"), re.DOTALL)

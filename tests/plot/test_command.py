@@ -35,7 +35,7 @@ def test_a_run_that_fails_is_drawn_as_well(said, tmp_path):
     [
         (
             [*PLAY, "gateway_supply.yaml", "--plot", "x.svg"],
-            "--plot makes a picture of one run: name one scenario",
+            "--plot keeps one run: name one scenario",
         ),
         ([*PLAY, "--plot", "x.gif"], "x.gif is no picture: its name ends with .html, .png, .svg"),
         ([*PLAY, "--plot", "x"], "x is no picture: its name ends with .html, .png, .svg"),

@@ -10,8 +10,6 @@ import simulators.simulated_time
 import simulators.story
 import simulators.verdicts.properties  # noqa: F401
 
-pytest_plugins = ["pytester"]
-
 HEAD = "version: 1\nname: {name}\nnode: {{device: topcon, node_id: 5}}\nsteps:\n"
 
 

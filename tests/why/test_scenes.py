@@ -9,8 +9,6 @@ from simulators import devices
 from simulators.replay import Player, load, play
 from simulators.segment import Segment
 
-pytest_plugins = ["pytester"]
-
 STORY = """\
 version: 1
 node: {device: topcon, node_id: 5}
