@@ -44,18 +44,10 @@ def last_frames(records: Sequence[Record], nodes: Sequence[Node]) -> str:
 
 def device_state(node: Node) -> str:
     """NMT state, active faults and what a look at the model shows."""
-    faults = [_call(node, name) for name in node.faults.active]
+    faults = [node.faults.words(*each) for each in node.faults.active.items()]
     lines = [
         f"{node.wire.name}: node {node.node_id}, {node.state if node.powered else 'power off'}",
         f"  faults: {', '.join(faults) or 'none'}",
         *(f"  {name}: {value}" for name, value in node.device.report.items()),
     ]
     return "\n".join(lines)
-
-
-def _call(node: Node, name: str) -> str:
-    """A fault with the parameters that somebody has chosen."""
-    told = node.faults.known[name].parameters
-    values = node.faults.active[name].items()
-    chosen = [f"{key}={value}" for key, value in values if value != told[key].default]
-    return f"{name}({', '.join(chosen)})"

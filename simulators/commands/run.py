@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
-from typing import TYPE_CHECKING
 
 from simulators import replay
 from simulators.commands.announce import Announcer
@@ -21,9 +20,6 @@ from simulators.line import OpenBus
 from simulators.lookout import looking
 from simulators.segment import Segment
 from simulators.serve import serve
-
-if TYPE_CHECKING:
-    from simulators.record import Observer
 
 FAILED = 1
 LOOK, LONG_LOOK = 0.3, 1.5  # seconds; on a real bus a heartbeat of a second should be heard
@@ -48,7 +44,7 @@ def _run(options: argparse.Namespace, wishes: Wishes) -> int:
     ready = {"ready": name, **_who(name, segment), **bus.told}
     with _off_in_the_end(segment):
         with kept(options, "run", scenario, devices) as observers:
-            _begin(segment, player, observers)
+            replay.begin(segment, player, observers)
             serve(
                 segment,
                 _opening(bus, segment),
@@ -56,15 +52,6 @@ def _run(options: argparse.Namespace, wishes: Wishes) -> int:
                 lambda: print(json.dumps(ready), flush=True),
             )
         return wishes.code if player is None else _told(player, announcer, wishes)
-
-
-def _begin(segment: Segment, player: replay.Player | None, observers: Iterable[Observer]) -> None:
-    for attach in observers:
-        attach(segment, player)
-    if player is not None:
-        player.start()
-    for node in segment.nodes:
-        node.power_on()
 
 
 @contextmanager
