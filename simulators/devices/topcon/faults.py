@@ -31,6 +31,11 @@ def faults(device: Device) -> Mapping[str, Fault]:
 
     The device is asked for its stage when a fault is used: power-on makes a new one.
     """
+    return {**_connections(device), **_supplies(device), **_errors(device)}
+
+
+def _connections(device: Device) -> dict[str, Fault]:
+    """What is wrong with the cables of the unit."""
     return {
         "interlock_open": _condition(
             device,
@@ -53,6 +58,12 @@ def faults(device: Device) -> Mapping[str, Fault]:
             lambda volts: _restore(device, "sense_offset"),
             {"volts": Parameter("difference in V; 5 % of the nominal voltage are tolerated")},
         ),
+    }
+
+
+def _supplies(device: Device) -> dict[str, Fault]:
+    """What leaves the range in which the unit works."""
+    return {
         "mains": Fault(
             "The mains leave 340..460 V: intermediate circuit low or high (EMCY 3200, 49, 4A, 4D).",
             lambda volts: setattr(device.stage, "mains", _mains(volts)),
@@ -71,6 +82,12 @@ def faults(device: Device) -> Mapping[str, Fault]:
             lambda sensor: device.stage.release(SENSORS[sensor]),
             {"sensor": Parameter(", ".join(SENSORS), "igbt", str)},
         ),
+    }
+
+
+def _errors(device: Device) -> dict[str, Fault]:
+    """Messages of chapter 8 without a cause of their own."""
+    return {
         "error": Fault(
             "Any error of the unit; its cause is gone at once, the error stays until the reset.",
             lambda number: device.stage.trip(unit_error(number)),
