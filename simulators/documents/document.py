@@ -85,6 +85,13 @@ class Item:
         return value
 
     @property
+    def truth(self) -> bool:
+        """One truth value."""
+        if not isinstance(value := self.value, bool):
+            raise self.wrong(f"{self.text!r} is neither true nor false")
+        return value
+
+    @property
     def seconds(self) -> float:
         """A time."""
         if not 0 <= self.number <= LONGEST_TIME:
