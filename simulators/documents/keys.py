@@ -1,27 +1,11 @@
 """Keys of a table and what stands behind them, for files that need no JSON Schema."""
 
 from collections.abc import Callable, Collection, Mapping
-from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
-from simulators.documents.document import Item, read
-from simulators.documents.problems import Noted, Problems
+from simulators.documents.document import Item
+from simulators.documents.problems import Noted
 from simulators.errors import UserError, unknown
-
-Meaning = TypeVar("Meaning")
-
-
-def understand(path: Path, mean: Callable[[Item], Meaning]) -> Meaning:
-    """What a file means; `mean` may note what is wrong as problems, and go on.
-
-    Raises:
-        DocumentError: with a line for everything that is wrong, each with its place.
-    """
-    problems = Problems(str(path))
-    with problems.at(item := read(path, problems)):
-        meaning = mean(item)
-    problems.settle()
-    return meaning
 
 
 def values(

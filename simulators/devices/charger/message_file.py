@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from simulators.devices.charger.model.catalogue import Catalogue, Kind, Message
-from simulators.documents.document import Item
-from simulators.documents.keys import understand, values
+from simulators.documents.document import Item, understand
+from simulators.documents.keys import values
 from simulators.errors import UserError
 
 FORMAT = "charger_messages/1"

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from simulators.devices.gateway.model.parameters import Catalogue, Unit
-from simulators.documents.document import Item, Pair
-from simulators.documents.keys import understand, values
+from simulators.documents.document import Item, Pair, understand
+from simulators.documents.keys import values
 from simulators.errors import UserError
 
 VERSION = 1

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from simulators.devices.topcon.model import UnitType
-from simulators.documents.document import Item
-from simulators.documents.keys import understand, values
+from simulators.documents.document import Item, understand
+from simulators.documents.keys import values
 from simulators.documents.yaml_nodes import Scalar
 from simulators.errors import UserError
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from simulators.documents.document import Item
-from simulators.documents.table import understand
+from simulators.documents.table import understand_table
 from simulators.replay.file.step import Deed
 from simulators.replay.file.story import Bench, Node, Story
 from simulators.replay.load import Find
@@ -21,12 +21,12 @@ def read_scenario(path: Path, find: Find) -> Scenario:
     Raises:
         DocumentError: with a line for everything that is wrong.
     """
-    return understand(path, Story, lambda told: _scenario(told, path, find))
+    return understand_table(path, Story, lambda told: _scenario(told, path, find))
 
 
 def read_bench(path: Path, find: Find) -> Mapping[str, NodeSpec]:
     """The nodes of a bench file, by their names there; raises as `read_scenario` does."""
-    return understand(path, Bench, lambda told: _cast(told.nodes, Cast(find)).specs)
+    return understand_table(path, Bench, lambda told: _cast(told.nodes, Cast(find)).specs)
 
 
 def _scenario(told: Story, path: Path, find: Find) -> Scenario:
