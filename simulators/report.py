@@ -12,11 +12,11 @@ SHOWN = 20  # frames
 
 def scene(records: Sequence[Record], nodes: Sequence[Node]) -> str:
     """The last frames of a bus, how its nodes are, and why they answered as they did."""
-    stories = [device_story(node, records) for node in nodes]
-    return "\n".join([last_frames(records, nodes), *stories])
+    reports = [device_report(node, records) for node in nodes]
+    return "\n".join([last_frames(records, nodes), *reports])
 
 
-def device_story(
+def device_report(
     node: Node, records: Sequence[Record], since: float = 0.0, wanted: str = ""
 ) -> str:
     """How a node is, and why it answered the last frames as it did.

@@ -6,7 +6,7 @@ from typing import Literal, get_args, get_origin, get_type_hints
 
 import pytest
 
-import simulators.replay.reading.story  # noqa: F401 - pytester forgets what comes while it works
+import simulators.replay.reading.scenario  # noqa: F401 - pytester forgets what comes while it works
 from simulators import devices
 from simulators.cli import main
 from simulators.settings import about

@@ -23,7 +23,7 @@ def kept(
     options: argparse.Namespace,
     kind: Literal["play", "run"],
     scenario: replay.Scenario | None,
-    cast: Mapping[str, Device],
+    participants: Mapping[str, Device],
 ) -> Iterator[list[Observer]]:
     """Who has to be told of a run; when this is over their files are complete.
 
@@ -41,7 +41,7 @@ def kept(
             observers.append(stack.enter_context(trace_file(options.trace)))
         if options.record is not None:
             text = None if scenario is None else _content(scenario.file)
-            told = about(kind, scenario, cast)
+            told = about(kind, scenario, participants)
             observers.append(stack.enter_context(record(options.record, told, text)))
         yield observers
 

@@ -37,8 +37,8 @@ def _play(
     announcer: Announcer,
     plot: Plot | None,
 ) -> replay.Verdict:
-    cast = {name: spec.create() for name, spec in scenario.nodes.items()}
-    with kept(options, "play", scenario, cast) as observers, progress() as line:
+    participants = {name: spec.create() for name, spec in scenario.nodes.items()}
+    with kept(options, "play", scenario, participants) as observers, progress() as line:
         everybody = [*observers, line.attach, *([plot.begin] if plot else [])]
         verdict = replay.play(scenario, announcer.trace, everybody, line.tell)
     announcer.tell(verdict)

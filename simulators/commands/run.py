@@ -10,9 +10,9 @@ from contextlib import contextmanager, nullcontext
 from simulators import replay
 from simulators.commands.announce import Announcer
 from simulators.commands.bus import Place, place
-from simulators.commands.cast import cast, title
 from simulators.commands.kept import kept
 from simulators.commands.lock import held
+from simulators.commands.participants import participants, title
 from simulators.commands.scenarios import load
 from simulators.commands.signals import OK, Wishes, signals
 from simulators.errors import UserError
@@ -36,7 +36,7 @@ def _run(options: argparse.Namespace, wishes: Wishes) -> int:
     if announcer.wanted and not options.scenario:
         raise UserError("--json and --junit tell of a verdict: say which with --scenario")
     scenario = load(options.scenario) if options.scenario else None
-    devices = cast(options, scenario)
+    devices = participants(options, scenario)
     nodes = {name: segment.node(device, name) for name, device in devices.items()}
     player = replay.Player(scenario, segment, nodes) if scenario else None
     bus = place(options)

@@ -46,7 +46,7 @@ def test_a_test_that_fails_by_itself_says_so_and_how_the_bench_was(run, story):
             "*AssertionError*",
             "*CANopen: last frames*",
             "topcon: node 5*",
-            "*CANopen: the story so far*",
+            "*CANopen: the scenario so far*",
             "late.yaml: ERROR (1 ERROR)",
             "* late.yaml:5: *: 1 steps from here on were not reached",
         ]

@@ -14,7 +14,9 @@ from simulators.replay.scenario import NodeSpec
 OF_ONE_DEVICE = ("node-id", "set", "config", "nvram")
 
 
-def cast(options: argparse.Namespace, scenario: replay.Scenario | None) -> dict[str, Device]:
+def participants(
+    options: argparse.Namespace, scenario: replay.Scenario | None
+) -> dict[str, Device]:
     """The devices by the names of their nodes, with their power off.
 
     Raises:
