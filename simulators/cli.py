@@ -150,6 +150,7 @@ def _records(commands: Commands) -> None:
     text = "live through a record again: its frames in candump format, 1 if they are others now"
     command = _command(commands, "replay", text, "replay", "replay")
     command.add_argument("record", type=Path, metavar="DIR", help="of --record")
+    command.add_argument("--plot", type=Path, metavar="FILE", help=PLOT)
     text = "explain the first difference of two records or trace files, 1 if there is one"
     command = _command(commands, "diff", text, "diff", "diff")
     for name in ("a", "b"):

@@ -3,6 +3,7 @@
 from math import isfinite
 
 from simulators.clock import MICROSECONDS
+from simulators.plot.run import Run
 from simulators.plot.view import View
 from simulators.replay.player import Event, Player
 from simulators.segment import Segment
@@ -18,18 +19,28 @@ class Observer:
     costs nothing.
     """
 
-    def __init__(self, segment: Segment, player: Player) -> None:
+    def __init__(self, segment: Segment, player: Player | None) -> None:
         self.views = [View(node) for node in segment.nodes]
         self._clock = segment.clock
         self._begin = self._clock.ticks
         segment.listeners.append(self._hear)
-        player.listeners.append(self._follow)
+        self._player = player
+        if player is not None:
+            player.listeners.append(self._follow)
         self._clock.at_tick(self._begin + GRAIN, self._look)
 
     @property
     def duration(self) -> float:
         """Seconds since the beginning."""
         return max(self._clock.ticks - self._begin, GRAIN) / MICROSECONDS
+
+    @property
+    def run(self) -> Run:
+        """What there is to be drawn by now."""
+        if self._player is None:
+            return Run("", None, self.views, self.duration)
+        name, verdict = self._player.scenario.name, self._player.verdict
+        return Run(name, verdict, self.views, self.duration)
 
     def _look(self) -> None:
         time = (self._clock.ticks - GRAIN - self._begin) / MICROSECONDS
