@@ -9,6 +9,8 @@ import logging
 import os
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import suppress
+from errno import EDQUOT, EFBIG, ENOSPC
 from functools import partial
 from importlib import import_module
 from importlib.metadata import version
@@ -32,6 +34,7 @@ Command = Callable[[argparse.Namespace], int]
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command and return the exit code; a bug comes out as its exception."""
+    _open_streams()
     options = parser().parse_args(arguments)
     _log(options.verbose)
     command: Command = options.command
@@ -39,15 +42,39 @@ def main(arguments: Sequence[str] | None = None) -> int:
         code = command(options)
         sys.stdout.flush()
     except UserError as error:
-        for line in str(error).splitlines():
-            print(f"{PROGRAM}: {line}", file=sys.stderr)
-        return WRONG_INPUT
+        return _refused(str(error))
     except KeyboardInterrupt:
         return INTERRUPTED
     except BrokenPipeError:  # whoever read our output has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _end_output()
         return NO_READER
+    except OSError as failure:  # a disk that is full is no bug
+        if failure.errno not in (ENOSPC, EDQUOT, EFBIG):
+            raise
+        _end_output()
+        return _refused(f"the output cannot be written: {failure.strerror}")
     return code
+
+
+def _refused(why: str) -> int:
+    for line in why.splitlines():
+        print(f"{PROGRAM}: {line}", file=sys.stderr)
+    return WRONG_INPUT
+
+
+def _open_streams() -> None:
+    """Where the caller has closed stdout or stderr, what is said there is for nobody."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_WRONLY), "w"))
+
+
+def _end_output() -> None:
+    """Whatever still waits to be written must not fail once more when Python ends."""
+    with suppress(OSError):
+        sys.stdout.flush()
+    with suppress(OSError):  # where it is no file there is nothing to be done
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _log(verbosity: int) -> None:
@@ -116,7 +143,10 @@ def _command(commands: Commands, name: str, text: str, module: str, function: st
 
 
 def _catalogue(commands: Commands) -> None:
-    _command(commands, "list", "print the devices and scenarios there are", "catalogue", "list_all")
+    text = "print the devices there are, and the scenarios for each of them"
+    command = _command(commands, "list", text, "catalogue", "list_all")
+    text = "only the scenarios of this one"
+    command.add_argument("device", metavar="DEVICE", nargs="?", help=text)
     text = "print the EDS file of a device, or its DCF with the settings that are given"
     command = _command(commands, "eds", text, "catalogue", "eds")
     _device_arguments(command)
