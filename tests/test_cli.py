@@ -113,6 +113,10 @@ WRONG = [
     (["list", "topkon"], "unknown device 'topkon': did you mean 'topcon'?"),
     (["play", "nothing.yaml"], "unknown file or shipped scenario 'nothing.yaml'"),
     (["run", "-i", "virtual"], "nothing to run: say which device, or --scenario with a file"),
+    (["run", "--hub", "topcon"], "a file that does; topcon was taken for the hub"),
+    (["run", "topcon_overvoltage.yaml"], "is a scenario: run --scenario topcon_overvoltage.yaml"),
+    (["run", "nowhere.yaml"], "nowhere.yaml: No such file or directory"),
+    (["run", "topcon"], "(say --interface and --channel, or --hub)"),
     (["run", "topcon", "--nvram", "/nowhere/memory"], "/nowhere/memory cannot be kept there"),
     (
         ["run", "topcon", "-i", "slcan", "-c", "/nowhere", "--real-bus"],
