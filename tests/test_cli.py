@@ -1,4 +1,5 @@
 import json
+import re
 import signal
 import subprocess
 import sys
@@ -8,6 +9,7 @@ import pytest
 from simulators import Bench, devices
 from simulators.cli import main
 from simulators.commands.lock import held
+from simulators.commands.scenarios import load
 from simulators.resources import od_file, scenarios
 
 RUN = [sys.executable, "-m", "simulators", "run", "topcon", "-n", "5", "-i", "virtual", "-c", "cli"]
@@ -32,6 +34,22 @@ def test_every_device_and_every_scenario_is_listed(said):
     assert code == 0
     for name in [*devices.names(), *scenarios()]:
         assert name in out
+
+
+def test_a_scenario_is_listed_with_its_name_among_those_of_its_device(said):
+    _, out, _ = said("list")
+    groups = [group.splitlines() for group in out.split("\n\n")[1:]]
+    assert [{line.partition("_")[0] for line in group} for group in groups] == [
+        {device} for device in devices.names()
+    ]
+    told = dict(re.split(r"  +", line) for group in groups for line in group)
+    assert told == {name: load(name).name for name in scenarios()}
+
+
+def test_the_scenarios_of_one_device_are_listed_alone(said):
+    code, out, _ = said("list", "charger")
+    files = [line.split()[0] for line in out.splitlines()]
+    assert (code, files) == (0, [name for name in scenarios() if name.startswith("charger_")])
 
 
 @pytest.mark.parametrize("device", devices.names())
@@ -92,8 +110,13 @@ WRONG = [
     (["run", "topcon", "--set", "laod=open"], "unknown setting 'laod': did you mean 'load'?"),
     (["run", "topcon", "--set", "load"], "--set load: write it as KEY=VALUE"),
     (["run", "topcon", "--set", "serial=x"], "setting 'serial' wants a whole number, not 'x'"),
-    (["play", "nothing.yaml"], "unknown scenario 'nothing.yaml'"),
+    (["list", "topkon"], "unknown device 'topkon': did you mean 'topcon'?"),
+    (["play", "nothing.yaml"], "unknown file or shipped scenario 'nothing.yaml'"),
     (["run", "-i", "virtual"], "nothing to run: say which device, or --scenario with a file"),
+    (["run", "--hub", "topcon"], "a file that does; topcon was taken for the hub"),
+    (["run", "topcon_overvoltage.yaml"], "is a scenario: run --scenario topcon_overvoltage.yaml"),
+    (["run", "nowhere.yaml"], "nowhere.yaml: No such file or directory"),
+    (["run", "topcon"], "(say --interface and --channel, or --hub)"),
     (["run", "topcon", "--nvram", "/nowhere/memory"], "/nowhere/memory cannot be kept there"),
     (
         ["run", "topcon", "-i", "slcan", "-c", "/nowhere", "--real-bus"],

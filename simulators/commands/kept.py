@@ -5,13 +5,11 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
-from errno import EDQUOT, EFBIG, ENOSPC
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from simulators import replay
 from simulators.device import Device
-from simulators.errors import UserError
 from simulators.resources import scenario_file, scenarios
 
 if TYPE_CHECKING:
@@ -36,7 +34,7 @@ def kept(
         return
     from simulators.record import about, record, trace_file  # noqa: PLC0415 - for others too slow
 
-    with _told(), ExitStack() as stack:
+    with ExitStack() as stack:
         if options.trace is not None:
             observers.append(stack.enter_context(trace_file(options.trace)))
         if options.record is not None:
@@ -44,17 +42,6 @@ def kept(
             told = about(kind, scenario, participants)
             observers.append(stack.enter_context(record(options.record, told, text)))
         yield observers
-
-
-@contextmanager
-def _told() -> Iterator[None]:
-    """A disk that is full is no bug."""
-    try:
-        yield
-    except OSError as failure:
-        if failure.errno not in (ENOSPC, EDQUOT, EFBIG):
-            raise
-        raise UserError(f"what is kept cannot be written: {failure.strerror}") from failure
 
 
 def _content(file: Path) -> bytes:

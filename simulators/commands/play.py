@@ -43,5 +43,5 @@ def _play(
         verdict = replay.play(scenario, announcer.trace, everybody, line.tell)
     announcer.tell(verdict)
     if plot is not None:
-        plot.save(scenario, verdict)
+        plot.save()
     return verdict

@@ -36,5 +36,5 @@ def load(name: str) -> replay.Scenario:
         with scenario_file(name) as path:
             return replace(replay.load(path), file=Path(name))
     if not Path(name).exists() and Path(name).name == name:
-        raise unknown("scenario", name, scenarios())
+        raise unknown("file or shipped scenario", name, scenarios())
     return replay.load(Path(name))

@@ -8,7 +8,10 @@ OBJECT = "as `objects DEVICE` names it: 0x2014=7, 0x1018:02, 'Run command=1'"
 
 def add_devices(commands: Commands) -> None:
     """list, eds, objects, settings, why and faults."""
-    add(commands, "list", "print the devices and scenarios there are", "catalogue", "list_all")
+    text = "print the devices there are, and the scenarios for each of them"
+    parser = add(commands, "list", text, "catalogue", "list_all")
+    text = "only the scenarios of this one"
+    parser.add_argument("device", metavar="DEVICE", nargs="?", help=text)
     text = "print the EDS file of a device, or its DCF with the settings that are given"
     device(add(commands, "eds", text, "catalogue"))
     text = "print the object dictionary of a device"

@@ -28,6 +28,7 @@ def add_records(commands: Commands) -> None:
     text = "live through a record again: its frames in candump format, 1 if they are others now"
     parser = add(commands, "replay", text, "replay")
     parser.add_argument("record", type=Path, metavar="DIR", help="of --record")
+    parser.add_argument("--plot", type=Path, metavar="FILE", help=PLOT)
     text = "explain the first difference of two records or trace files, 1 if there is one"
     parser = add(commands, "diff", text, "diff")
     for name in ("a", "b"):
