@@ -22,7 +22,7 @@ def read_table(path: Path, understand: Callable[[Any], Meaning]) -> Meaning:
     try:
         if path.stat().st_size > LARGEST_FILE:
             raise ValueError(f"larger than {LARGEST_FILE} bytes")
-        return understand(yaml.safe_load(path.read_text("utf-8")))
+        return understand(_values(path.read_text("utf-8")))
     except yaml.MarkedYAMLError as failure:
         mark = failure.problem_mark
         where = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
@@ -30,3 +30,11 @@ def read_table(path: Path, understand: Callable[[Any], Meaning]) -> Meaning:
     except (OSError, ValueError, yaml.YAMLError) as failure:
         reason = str(failure).splitlines()[0]
         raise UserError(f"{path}: {reason}") from failure
+
+
+def _values(text: str) -> Any:
+    """By libyaml if it is there, eight times as fast; what is wrong, the other one tells better."""
+    try:
+        return yaml.load(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    except yaml.YAMLError:
+        return yaml.safe_load(text)

@@ -1,9 +1,12 @@
 from pathlib import Path
 
 import pytest
+import yaml
 
 from simulators.errors import UserError
 from simulators.yaml_file import LARGEST_FILE, read_table
+
+TABLES = sorted((Path(__file__).parents[1] / "od").glob("*.yaml"))
 
 
 def rows(data):
@@ -43,3 +46,10 @@ def test_what_is_wrong_is_told_in_one_line_with_its_place(path, content, told):
 def test_a_file_that_is_not_there_is_told():
     with pytest.raises(UserError, match=r"nowhere\.yaml: .*No such file"):
         read_table(Path("nowhere.yaml"), rows)
+
+
+@pytest.mark.parametrize("table", TABLES, ids=lambda path: path.stem)
+def test_the_tables_of_the_devices_mean_the_same_without_libyaml(table, monkeypatch):
+    fast = read_table(table, repr)
+    monkeypatch.delattr(yaml, "CSafeLoader")
+    assert read_table(table, repr) == fast
