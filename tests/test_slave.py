@@ -278,7 +278,7 @@ ParameterName=Compact
 ObjectType=0x8
 DataType=0x0005
 AccessType=rw
-DefaultValue=$NODEID
+DefaultValue=$NODEID+1
 CompactSubObj=2
 [2002Name]
 NrOfEntries=2
@@ -294,7 +294,7 @@ def test_the_node_id_is_put_in_wherever_canopen_puts_it_in(tmp_path, node_id):
     od = dictionary(str(eds), node_id)
     assert (od.node_id, od[0x2000].default, od[0x2001].default) == (node_id, "$NODEID", None)
     assert (od[0x1014].default, od[0x1014].value) == (0x80 + node_id, 0x100 + node_id)
-    assert [od[0x2002].subindices[sub].default for sub in (1, 2)] == [node_id, node_id]
+    assert [od[0x2002].subindices[sub].default for sub in (1, 2)] == [node_id + 1, node_id + 1]
     assert od[0x1014] is od["Plain"]
 
 
