@@ -9,6 +9,8 @@ import pytest
 from canopen.objectdictionary import ODArray, ODRecord, ODVariable
 from canopen.objectdictionary.datatypes import VISIBLE_STRING
 
+from simulators import slave
+
 NODE_ID = 29
 EDS_FILES = sorted(Path(__file__).parents[1].glob("*/*.eds"))  # of the devices, and the probe
 LISTS = ("MandatoryObjects", "OptionalObjects", "ManufacturerObjects")
@@ -106,6 +108,22 @@ def test_canopen_loses_no_key_of_any_entry(raw, dictionary):
 def test_canopen_invents_no_entry(raw, dictionary):
     said = {(index, sub or 0) for section, index, sub in entries(raw) if "DataType" in section}
     assert {(index, sub) for index, sub in by_address(dictionary) if index >= 0x1000} == said
+
+
+def everything(item):
+    """What an item of a dictionary has, and all items in it; but not whose it is."""
+    if isinstance(item, dict):
+        return {key: everything(each) for key, each in item.items()}
+    if type(item).__module__ != ODVariable.__module__:
+        return item
+    known = {key: value for key, value in vars(item).items() if key != "parent"}
+    return type(item), everything(known)
+
+
+@pytest.mark.parametrize("node_id", [1, 29, 127])
+def test_a_twin_has_the_dictionary_that_canopen_imports(eds, node_id):
+    twins = slave.dictionary(str(eds), node_id)
+    assert everything(twins) == everything(canopen.import_od(str(eds), node_id))
 
 
 def test_every_default_can_be_sent(dictionary):

@@ -251,3 +251,61 @@ def test_there_is_one_slave_on_a_wire():
     for node_id in (5, 6):
         Slave(dictionary(Probe.eds, node_id), node_id, wire, Scope(clock))
     assert list(wire) == [6]
+
+
+RELATIVE = """
+[DeviceInfo]
+[DeviceComissioning]
+NodeID=3
+[1014]
+ParameterName=Plain
+DataType=0x0007
+AccessType=rw
+DefaultValue= $nodeid + 0x80
+ParameterValue=0x100+$NODEID
+[2000]
+ParameterName=Text
+DataType=0x0009
+AccessType=rw
+DefaultValue=$NODEID
+[2001]
+ParameterName=No number
+DataType=0x0007
+AccessType=rw
+DefaultValue=$NODEID+?
+[2002]
+ParameterName=Compact
+ObjectType=0x8
+DataType=0x0005
+AccessType=rw
+DefaultValue=$NODEID+1
+CompactSubObj=2
+[2002Name]
+NrOfEntries=2
+1=First
+2=Second
+"""
+
+
+@pytest.mark.parametrize("node_id", [1, 127])
+def test_the_node_id_is_put_in_wherever_canopen_puts_it_in(tmp_path, node_id):
+    eds = tmp_path / "relative.dcf"
+    eds.write_text(RELATIVE)
+    od = dictionary(str(eds), node_id)
+    assert (od.node_id, od[0x2000].default, od[0x2001].default) == (node_id, "$NODEID", None)
+    assert (od[0x1014].default, od[0x1014].value) == (0x80 + node_id, 0x100 + node_id)
+    assert [od[0x2002].subindices[sub].default for sub in (1, 2)] == [node_id + 1, node_id + 1]
+    assert od[0x1014] is od["Plain"]
+
+
+def test_a_file_is_imported_once_for_all_node_ids(tmp_path):
+    eds = tmp_path / "gone.dcf"
+    eds.write_text(RELATIVE)
+    dictionary(str(eds), 1)
+    eds.unlink()
+    assert dictionary(str(eds), 2)[0x1014].default == 0x82
+
+
+def test_what_is_done_to_a_dictionary_is_not_done_to_the_next():
+    dictionary(Probe.eds, 5)[0x1014].default = 0
+    assert dictionary(Probe.eds, 5)[0x1014].default == 0x85
