@@ -22,8 +22,9 @@ READ, RUN = "605#4000100000000000", "605#2B14200001000000"
         ("605#2B00200000000000", "read only, Nominal voltage (manual 7.3.1)"),
         ("605#4018100900000000", "no such sub-index, Identity Object (manual 7.2.11)"),
         ("605#4012100000000000", "no such object, 0x1012:00"),
-        ("605#A018100100000000", "no command, or not its turn, Identity Object.Vendor ID"),
-        ("605#0000000000000000", "no command, or not its turn (manual 3.2)"),
+        ("605#A018100100000000", "there is no block transfer, Identity Object.Vendor ID"),
+        ("605#0000000000000000", "a segment of no open transfer (manual 3.2)"),
+        ("605#E018100100000000", "no such command (manual 3.2)"),
     ],
 )
 def test_a_refusal_is_told_as_the_device_means_it_with_its_object(
