@@ -83,9 +83,22 @@ def test_the_faults_of_every_device_are_told_level_by_level(said):
     places = [told.index(heading) for heading in headings]
     assert places == sorted(places)
     assert "    The master sees: A time-out; what was written is written.\n" in told
-    assert "    code: abort code (default: 0x8000000)\n" in told
+    assert "    code: abort code (default: 0x08000000)\n" in told
+    assert "    cob_id: the identifier it has (default: 0x57F)\n" in told
     assert "    nth, times, probability, burst, seed: which one is struck\n" in told
     assert told.count("the first one that is struck, counted from 1 (default: 1)") == 1
+
+
+def test_numbers_that_a_manual_prints_in_decimal_are_told_in_decimal(said):
+    _, told, _ = said("faults", "gateway")
+    assert "    number: 3001..3094 (default: 3094)\n" in told
+    assert "    rpm: how fast; above 1725 rpm it is stopped (default: 1750)\n" in told
+    assert "    identifier: of TPDO5 (default: 0x100)\n" in told
+
+
+def test_a_text_that_is_empty_is_not_told_as_a_default(said):
+    _, told, _ = said("faults", "charger")
+    assert "    key: its key in the catalogue\n" in told
 
 
 def test_faults_are_told_to_programs(said):

@@ -136,7 +136,7 @@ REFUSED = [
     ({"firmware": "1.0"}, "four ASCII characters"),
     ({"firmware": "1.0é"}, "four ASCII characters"),
     ({"heartbeat_default_ms": 150}, "'heartbeat_default_ms': 150 ms is no multiple of 100"),
-    ({"heartbeat_default_ms": 50}, "no multiple of 100"),
+    ({"heartbeat_default_ms": 50}, "'heartbeat_default_ms': 50 ms is below 100"),
     ({"load": "resistor"}, "'load' is 'bar' or 'resistor OHM', not 'resistor'"),
     ({"load": "bar 5"}, "'load' is 'bar'"),
     ({"load": ""}, "'load' is 'bar'"),

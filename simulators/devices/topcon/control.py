@@ -98,6 +98,8 @@ class Control:
     def _obstacle(self, command: int) -> str:
         if command == RUN and self._stage.errors:
             return "an error is active, and RUN waits for its reset (A-47)"
+        if command == RESET and self._stage.errors:
+            return "the cause of an error is still there (A-49)"
         return self._panel.obstacle
 
     def _run(self) -> None:
