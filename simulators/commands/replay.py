@@ -7,11 +7,10 @@ from filecmp import cmp
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from simulators.exit_codes import FAILED, OK
 from simulators.record import Recorded, Side, again, differences, print_frames, record
 
 log = logging.getLogger(__name__)
-
-OK, DIFFERENT = 0, 1
 
 
 def replay(options: argparse.Namespace) -> int:
@@ -28,4 +27,4 @@ def replay(options: argparse.Namespace) -> int:
         if same and not cmp(recorded.trace, Recorded(anew).trace, shallow=False):
             same, told = False, f"{told}, but {recorded.trace} has been written otherwise"
     print(told, file=sys.stderr)
-    return OK if same else DIFFERENT
+    return OK if same else FAILED
