@@ -8,7 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from simulators.exit_codes import FAILED, OK
-from simulators.record import Recorded, Side, again, differences, print_frames, record
+from simulators.record import Recorded, Side, differences, print_frames, record, reproduce
 
 log = logging.getLogger(__name__)
 
@@ -22,7 +22,7 @@ def replay(options: argparse.Namespace) -> int:
         anew = Path(folder) / "replay"
         scenario = recorded.scenario.read_bytes() if recorded.about.scenario else None
         with record(anew, recorded.about, scenario) as observer:
-            again(recorded, [observer, print_frames(sys.stdout)])
+            reproduce(recorded, [observer, print_frames(sys.stdout)])
         same, told = differences(Side.of("record", options.record), Side.of("replay", anew))
         if same and not cmp(recorded.trace, Recorded(anew).trace, shallow=False):
             same, told = False, f"{told}, but {recorded.trace} has been written otherwise"
