@@ -12,11 +12,10 @@ from contextlib import suppress
 from errno import EDQUOT, EFBIG, ENOSPC
 
 from simulators.errors import UserError
+from simulators.exit_codes import INTERRUPTED, NO_READER, WRONG_INPUT
 from simulators.parser import PROGRAM, Command, parser
 
 __all__ = ["main", "parser"]
-
-WRONG_INPUT, INTERRUPTED, NO_READER = 2, 130, 141
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

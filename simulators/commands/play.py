@@ -8,9 +8,9 @@ from simulators.commands.kept import kept
 from simulators.commands.progress import progress
 from simulators.commands.scenarios import load
 from simulators.errors import UserError
+from simulators.exit_codes import FAILED, OK
 from simulators.plot import Plot
 
-FAILED = 1
 OF_ONE_RUN = ("trace", "record", "plot")
 
 
@@ -28,7 +28,7 @@ def play(options: argparse.Namespace) -> int:
     scenarios = [load(name) for name in options.scenarios]
     verdicts = [_play(scenario, options, announcer, plot) for scenario in scenarios]
     announcer.end()
-    return 0 if all(verdict.ok for verdict in verdicts) else FAILED
+    return OK if all(verdict.ok for verdict in verdicts) else FAILED
 
 
 def _play(

@@ -14,14 +14,14 @@ from simulators.commands.kept import kept
 from simulators.commands.lock import held
 from simulators.commands.participants import participants, title
 from simulators.commands.scenarios import load
-from simulators.commands.signals import OK, Wishes, signals
+from simulators.commands.signals import Wishes, signals
 from simulators.errors import UserError
+from simulators.exit_codes import FAILED, OK
 from simulators.line import OpenBus
 from simulators.lookout import looking
 from simulators.segment import Segment
 from simulators.serve import serve
 
-FAILED = 1
 LOOK, LONG_LOOK = 0.3, 1.5  # seconds; on a real bus a heartbeat of a second should be heard
 
 

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from functools import cached_property
 from math import isfinite
 from pathlib import Path
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import yaml
 
@@ -127,6 +127,15 @@ class Item:
                     again = f"{pair.key.text!r} stands here twice, first in line {first.key.line}"
                     raise pair.key.wrong(f"{again}; leave one of them out")
         return pairs
+
+    @property
+    def content(self) -> Any:
+        """All that there is below it, without places."""
+        if self.is_mapping:
+            return {pair.key.value: pair.value.content for pair in self.pairs.values()}
+        if isinstance(self.node, yaml.SequenceNode):
+            return [item.content for item in self.items]
+        return self.value
 
     def one_of(self, what: str, known: Collection[str]) -> str:
         """One word out of several."""

@@ -2,7 +2,7 @@ import gzip
 
 import pytest
 
-from simulators.record.difference import AHEAD, compare
+from simulators.record.compare import AHEAD, compare
 
 from .conftest import STORY, edit
 

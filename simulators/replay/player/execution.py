@@ -50,7 +50,7 @@ class Execution:
         self._listener = listener
         self._all_answered = answered
 
-    def give(self) -> None:
+    def run(self) -> None:
         """Carry the step out once."""
         try:
             self._step.action.carry_out(self)

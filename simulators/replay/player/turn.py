@@ -96,7 +96,7 @@ class Turn:
             tick = tools.clock.ticks + microseconds(step.every)
             self._timer = tools.clock.at_tick(tick, self._carry_out)
         tools.tell(step.node, "step", {"line": step.line, "what": str(step.action)})
-        self._execution.give()
+        self._execution.run()
         self._end_if_done()
 
     def _end_if_done(self) -> None:

@@ -8,7 +8,7 @@ from simulators.replay import Player, begin, play
 from simulators.segment import Segment
 
 
-def again(recorded: Recorded, observers: Iterable[Observer]) -> None:
+def reproduce(recorded: Recorded, observers: Iterable[Observer]) -> None:
     """The same devices and scenario, and what the record has heard from outside at its times.
 
     Raises:
