@@ -54,7 +54,7 @@ def faults(device: Device) -> Mapping[str, Fault]:
             {"volts": Parameter("difference in V; 5 % of the nominal voltage are tolerated")},
         ),
         "mains": Fault(
-            "The mains leave 340..460 V: intermediate circuit low or high (EMCY 3200, 49, 4A, 4D).",
+            "The mains leave 340..460 V (EMCY 3200, 49, 4A, 4D; with IBC 3100, 145, 144).",
             lambda volts: setattr(device.stage, "mains", _mains(volts)),
             lambda volts: _restore(device, "mains"),
             {"volts": Parameter("between the phases, 100..600 V")},
