@@ -11,7 +11,7 @@ from simulators.objects import Abort, Address, Object, Rejected
 from simulators.services import State
 
 STOP, RUN, RESET = range(3)  # Tab. 55
-MANUAL_START_IN_ERROR = 0x7A  # Tab. 75
+MANUAL_START_IN_ERROR = 0x7A  # Tab. 74
 
 
 class SetValue(NamedTuple):

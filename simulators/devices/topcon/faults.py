@@ -65,10 +65,14 @@ def _supplies(device: Device) -> dict[str, Fault]:
     """What leaves the range in which the unit works."""
     return {
         "mains": Fault(
-            "The mains leave 340..460 V: intermediate circuit low or high (EMCY 3200, 49, 4A, 4D).",
-            lambda volts: setattr(device.stage, "mains", _mains(volts)),
-            lambda volts: _restore(device, "mains"),
-            {"volts": Parameter("between the phases, 100..600 V")},
+            "The mains leave 340..460 V (EMCY 3200, 49, 4A, 4D); with IBC also 48..62 Hz"
+            " (3100, 145, 144, 143, 142).",
+            lambda volts, hertz: _feed(device, _mains(volts), hertz),
+            lambda volts, hertz: _feed(device, OutputStage.mains, OutputStage.mains_frequency),
+            {
+                "volts": Parameter("between the phases, 100..600 V", OutputStage.mains),
+                "hertz": Parameter("40..70 Hz", OutputStage.mains_frequency, low=40, high=70),
+            },
         ),
         "supply": Fault(
             "A supply inside the unit leaves its range of 10 % (EMCY 3200, 43..48, 4B, 4C).",
@@ -128,6 +132,10 @@ def _one_of(known: Mapping[str, Meaning], what: str, word: str) -> Meaning:
     if word not in known:
         raise unknown(what, word, known)
     return known[word]
+
+
+def _feed(device: Device, volts: float, hertz: float) -> None:
+    device.stage.mains, device.stage.mains_frequency = volts, hertz
 
 
 def _mains(volts: float) -> float:
