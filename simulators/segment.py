@@ -85,8 +85,9 @@ class Segment:
 
     def send(self, frame: Frame) -> None:
         """Put a frame on the bus that comes from outside; the answers are out after."""
-        self._see_to_touched()
-        self._foreign.put(frame)
+        if self._touched:
+            self._see_to_touched()
+        self._outbox.append((self._foreign, frame))
         self.deliver()
 
     def deliver(self) -> None:
@@ -114,5 +115,6 @@ class Segment:
 
     def advance_to(self, time: float) -> None:
         """Let time pass up to a moment."""
-        self._see_to_touched()
+        if self._touched:
+            self._see_to_touched()
         self.clock.advance_to(time, self.deliver)

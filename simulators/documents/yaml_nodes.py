@@ -5,13 +5,14 @@ no are words. Anchors, aliases and tags are refused.
 """
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import yaml
-from yaml.composer import ComposerError
+from yaml.composer import Composer, ComposerError
 from yaml.reader import ReaderError
+from yaml.resolver import Resolver
 
 from simulators.documents.problems import DocumentError, Mistake
 
@@ -35,14 +36,38 @@ PATTERNS = (
 DECEPTIVE = re.compile(r"[-+]?(0[0-9]+|[0-9][0-9_]*_[0-9_]*|0[bo][0-9]+)(\.[0-9]*)?")
 
 
-class Loader(yaml.SafeLoader):
-    """Composes nodes, constructs nothing."""
+FASTEST = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # libyaml, where there is one
+
+
+class Nodes(Composer, Resolver):
+    """Composes the nodes of a text, constructs nothing."""
 
     yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012 - as PyYAML has it
 
+    def __init__(self, text: str, parser: Any = FASTEST) -> None:
+        super().__init__()
+        Resolver.__init__(self)
+        self._events: Iterator[yaml.Event] = yaml.parse(text, parser)
+        self._next: yaml.Event | None = None
+
+    def peek_event(self) -> Any:
+        """The next event of the text."""
+        if self._next is None:
+            self._next = next(self._events)
+        return self._next
+
+    def get_event(self) -> Any:
+        """The same, taken away."""
+        event, self._next = self.peek_event(), None
+        return event
+
+    def check_event(self, *kinds: type[yaml.Event]) -> bool:
+        """Whether the next is one of these."""
+        return isinstance(self.peek_event(), kinds)
+
     def compose_node(self, parent: Any, index: Any) -> Any:
         """One node; a value stands where it is used."""
-        event: Any = self.peek_event()  # type: ignore[no-untyped-call]
+        event = self.peek_event()
         if isinstance(event, yaml.AliasEvent) or event.anchor is not None:
             problem = "there are no anchors and aliases here: write it out"
         elif event.tag is not None:
@@ -53,7 +78,7 @@ class Loader(yaml.SafeLoader):
 
 
 for kind, pattern, first in PATTERNS:
-    Loader.add_implicit_resolver(TAG + kind, re.compile(f"(?:{pattern})$"), list(first))
+    Nodes.add_implicit_resolver(TAG + kind, re.compile(f"(?:{pattern})$"), list(first))
 
 
 def read_text(path: Path) -> str:
@@ -82,7 +107,10 @@ def compose(text: str) -> yaml.Node:
         Mistake: it is no YAML, empty, or nested deeper than Python likes.
     """
     try:
-        node: yaml.Node | None = Loader(text).get_single_node()
+        try:
+            node: yaml.Node | None = Nodes(text).get_single_node()
+        except yaml.YAMLError:  # Python's parser tells better what is wrong, and where
+            node = Nodes(text, yaml.SafeLoader).get_single_node()
     except yaml.MarkedYAMLError as failure:
         what = ", ".join(filter(None, (failure.context, failure.problem)))
         raise Mistake(failure.problem_mark or _mark(text, 0), what) from failure
@@ -101,7 +129,7 @@ def scalar(node: yaml.ScalarNode) -> Scalar:
     Raises:
         Mistake: a number that would not be the same to everybody.
     """
-    if node.style is None and DECEPTIVE.fullmatch(node.value):
+    if not node.style and DECEPTIVE.fullmatch(node.value):
         raise Mistake(
             node.start_mark,
             f"{node.value} may be taken for different numbers: write 16, 0x10 or 0.5, or a 'text'",

@@ -26,7 +26,7 @@ def problem(problems):
         ("{at: 1, do: stop}", "4:13: unknown key 'do'"),
         ("{at: soon, nmt: stop}", "4:10: 'soon' is no number; numbers look like 16, 0x10 or 0.5"),
         ("{at: true, nmt: stop}", "4:10: 'true' is no number"),
-        ("{at: , nmt: stop}", "4:9: '' is no number"),
+        ("at:\n    nmt: stop", "4:8: '' is no number"),
         ("{at: 1e999, nmt: stop}", "4:10: '1e999' is no number"),
         ("{at: 086, nmt: stop}", "4:10: 086 may be taken for different numbers"),
         ("{at: 1_0, nmt: stop}", "4:10: 1_0 may be taken for different numbers"),

@@ -3,13 +3,16 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
+import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from simulators.documents.yaml_nodes import LARGEST_FILE
+from simulators.documents.yaml_nodes import LARGEST_FILE, Nodes
 from simulators.replay import ScenarioError, load
 
 from .conftest import HEAD
+
+SHIPPED = sorted((Path(__file__).parents[2] / "scenarios").glob("*.yaml"))[::10]
 
 
 @pytest.mark.parametrize(
@@ -136,3 +139,20 @@ def test_whatever_a_slip_makes_of_a_file_is_told_in_lines_with_their_places(
     path.write_bytes((file[:at] + piece + rest).encode("utf-8", "ignore"))
     with suppress(ScenarioError):
         load(path)
+
+
+def everything(node):
+    """What a node says, and where."""
+    place = (node.start_mark.line, node.start_mark.column, node.tag)
+    if isinstance(node, yaml.ScalarNode):
+        return place, node.value
+    if isinstance(node, yaml.SequenceNode):
+        return place, [everything(each) for each in node.value]
+    return place, [(everything(key), everything(value)) for key, value in node.value]
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_a_scenario_is_the_same_with_and_without_libyaml(path):
+    text = path.read_text("utf-8")
+    slow = Nodes(text, yaml.SafeLoader).get_single_node()
+    assert everything(Nodes(text).get_single_node()) == everything(slow)
