@@ -27,6 +27,7 @@ OBJECT = "as `objects DEVICE` names it: 0x2014=7, 0x1018:02, 'Run command=1'"
 SCENARIO = "a file, or the name of one that is shipped"
 HUB = "join a hub (default: 127.0.0.1:29536)"
 PLOT = "draw the run: .png, .svg or .html (needs the extra `plot`)"
+FIRST = "To begin with: canopen-twin play topcon_overvoltage.yaml"
 VERBOSE = "tell more; -vv the most"
 
 Command = Callable[[argparse.Namespace], int]
@@ -110,7 +111,9 @@ class Version(argparse.Action):
 
 def parser() -> argparse.ArgumentParser:
     """Everything that can be said on the command line."""
-    top = argparse.ArgumentParser(prog=PROGRAM, description="Digital twins of CANopen slaves.")
+    top = argparse.ArgumentParser(
+        prog=PROGRAM, description="Digital twins of CANopen slaves.", epilog=FIRST
+    )
     top.add_argument("--version", action=Version, nargs=0, help="print the version")
     top.add_argument("-v", "--verbose", action="count", default=0, help=VERBOSE)
     commands = top.add_subparsers(metavar="COMMAND", required=True, parser_class=Parser)
