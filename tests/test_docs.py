@@ -59,6 +59,16 @@ def test_what_a_page_shows_works(page, pytester):
     Reader(page, pytester).read()
 
 
+def test_the_tutorial_shows_what_a_deaf_master_is_told(pytester):
+    blocks = BLOCK.findall((DOCS / "tutorial.md").read_text("utf-8"))
+    for _, file, code in blocks:
+        if file in ("trip.yaml", "test_deaf.py"):
+            Path(file).write_text(code, "utf-8")
+    said = pytester.runpytest_inprocess("-p", "no:cacheprovider", "test_deaf.py").outlines
+    (shown,) = [code for language, _, code in blocks if language == "text"]
+    assert [line for line in said if line.startswith("  FAIL")] == shown.splitlines()
+
+
 @pytest.mark.parametrize(
     "text", ["```python\nassert 0\n```", "```console\n$ canopen-twin play nothing\n```"]
 )

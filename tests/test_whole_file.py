@@ -1,5 +1,7 @@
 import os
 
+import pytest
+
 from simulators.whole_file import write_whole
 
 
@@ -8,6 +10,13 @@ def test_a_file_is_replaced(tmp_path):
     path.write_text("of yesterday")
     write_whole(path, "new")
     assert [(each.name, each.read_text()) for each in tmp_path.iterdir()] == [("report", "new")]
+
+
+def test_what_cannot_be_replaced_stays_and_nothing_is_left_beside_it(tmp_path):
+    (tmp_path / "report").mkdir()
+    with pytest.raises(OSError, match="directory"):
+        write_whole(tmp_path / "report", "new")
+    assert [each.name for each in tmp_path.iterdir()] == ["report"]
 
 
 def test_a_link_stays_one(tmp_path):

@@ -7,13 +7,9 @@ from filecmp import cmp
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-<<<<<<< HEAD
-from simulators.plot import Plot
-from simulators.record import Recorded, Side, again, differences, print_frames, record
-=======
 from simulators.exit_codes import FAILED, OK
+from simulators.plot import Plot
 from simulators.record import Recorded, Side, differences, print_frames, record, reproduce
->>>>>>> r-clean
 
 log = logging.getLogger(__name__)
 
@@ -28,20 +24,12 @@ def replay(options: argparse.Namespace) -> int:
         anew = Path(folder) / "replay"
         scenario = recorded.scenario.read_bytes() if recorded.about.scenario else None
         with record(anew, recorded.about, scenario) as observer:
-<<<<<<< HEAD
             watched = [plot.begin] if plot else []
-            again(recorded, [observer, print_frames(sys.stdout), *watched])
-=======
-            reproduce(recorded, [observer, print_frames(sys.stdout)])
->>>>>>> r-clean
+            reproduce(recorded, [observer, print_frames(sys.stdout), *watched])
         same, told = differences(Side.of("record", options.record), Side.of("replay", anew))
         if same and not cmp(recorded.trace, Recorded(anew).trace, shallow=False):
             same, told = False, f"{told}, but {recorded.trace} has been written otherwise"
     print(told, file=sys.stderr)
-<<<<<<< HEAD
     if plot is not None:
         plot.save()
-    return OK if same else DIFFERENT
-=======
     return OK if same else FAILED
->>>>>>> r-clean

@@ -11,6 +11,7 @@ from simulators.parser.scenarios import add_records, add_scenarios
 __all__ = ["PROGRAM", "Command", "parser"]
 
 PROGRAM = "canopen-twin"
+FIRST = "To begin with: canopen-twin play topcon_overvoltage.yaml"
 
 
 class Version(argparse.Action):
@@ -24,7 +25,8 @@ class Version(argparse.Action):
 
 def parser() -> argparse.ArgumentParser:
     """Everything that can be said; `command` is what was chosen."""
-    top = argparse.ArgumentParser(prog=PROGRAM, description="Digital twins of CANopen slaves.")
+    text = "Digital twins of CANopen slaves."
+    top = argparse.ArgumentParser(prog=PROGRAM, description=text, epilog=FIRST)
     top.add_argument("--version", action=Version, nargs=0, help="print the version")
     verbosity(top, default=0)
     commands = top.add_subparsers(metavar="COMMAND", required=True, parser_class=Parser)

@@ -24,7 +24,8 @@ class Plot:
 
     def __init__(self, path: Path) -> None:
         """Raises `UserError` if there can be no picture, before anything has run."""
-        if path.suffix not in SUFFIXES:
+        self._suffix = path.suffix.lower()
+        if self._suffix not in SUFFIXES:
             raise UserError(f"{path} is no picture: its name ends with {', '.join(SUFFIXES)}")
         if not path.parent.is_dir():
             raise UserError(f"{path}: there is no directory {path.parent}")
@@ -50,9 +51,9 @@ class Plot:
     def _content(self) -> bytes:
         (observer,) = self._observers
         run = observer.run
-        if self._path.suffix == ".html":
+        if self._suffix == ".html":
             return page(run, self._draw(run, "svg").decode()).encode()
-        return self._draw(run, self._path.suffix[1:])
+        return self._draw(run, self._suffix[1:])
 
 
 def _drawing() -> Callable[[Run, str], bytes]:

@@ -17,7 +17,7 @@ PHRASES = {
     END: "the run is over",
     "emcy": "{words}",
     "step": "step of line {line}: {what}",
-    "inject": "fault {fault} injected: {parameters}",
+    "inject": "fault {fault}({parameters}) injected",
     "clear": "fault {fault} cleared",
     "outcome": "{verdict} of line {line}: {what}: {seen}",
 }
@@ -35,10 +35,19 @@ class EventLine(NamedTuple):
 
     def __str__(self) -> str:
         try:
-            told = PHRASES[self.kind].format(**self.fields)
+            told = PHRASES[self.kind].format(**self._words)
         except KeyError:  # a record of tomorrow, or of somebody else
             told = f"{self.kind} {json.dumps(self.fields)}"
         return f"{self.time:12.6f}  {self.node or '-':10}  {told}"
+
+    @property
+    def _words(self) -> Mapping[str, object]:
+        """The fields, parameters as one would write them down."""
+        parameters = self.fields.get("parameters")
+        if not isinstance(parameters, Mapping):
+            return self.fields
+        told = ", ".join(f"{key}={value}" for key, value in parameters.items())
+        return {**self.fields, "parameters": told}
 
 
 def write_event(file: TextIO, event: EventLine) -> None:
