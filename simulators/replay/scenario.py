@@ -106,7 +106,9 @@ class Scenario:
     """The statements it is about."""
     seed: int = 1
     """What the file gives, or would have given; the reader has put it where it belongs."""
-    duration: float = 0.0
-    """Seconds that the run lasts at least."""
+    duration: float | None = None
+    """Seconds that the run lasts at least; None: conditions are waited for, a minute at most."""
     bit_rate: int | None = None
     """In bit/s, for the simulated bus; None: frames take no time."""
+    bit_rate_line: int = 0
+    """Of the file, where it stands."""

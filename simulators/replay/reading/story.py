@@ -9,6 +9,7 @@ from simulators.replay.file.step import Deed
 from simulators.replay.file.story import Bench, Node, Story
 from simulators.replay.load import Find
 from simulators.replay.reading.cast import Cast
+from simulators.replay.reading.length import check_length
 from simulators.replay.reading.steps import StepReader
 from simulators.replay.scenario import NodeSpec, Scenario, Step
 
@@ -31,6 +32,7 @@ def read_bench(path: Path, find: Find) -> Mapping[str, NodeSpec]:
 
 def _scenario(told: Story, path: Path, find: Find) -> Scenario:
     seed = None if told.seed is None else told.seed.whole
+    duration = None if told.duration is None else told.duration.seconds
     cast = Cast(find, seed)
     if told.node is not None:
         cast.take(told.node.device, told.node, told.node.place)
@@ -40,12 +42,13 @@ def _scenario(told: Story, path: Path, find: Find) -> Scenario:
         name=_text(told.name) or path.stem,
         note=_text(told.note),
         nodes=cast.specs,
-        steps=_steps(told.steps, cast),
-        cleanup=_steps(told.cleanup or [], cast),
+        steps=_steps(told.steps, cast, duration),
+        cleanup=_steps(told.cleanup or [], cast, 0.0),
         covers=tuple(each.text for each in told.covers or []),
         seed=DEFAULT_SEED if seed is None else seed,
-        duration=0.0 if told.duration is None else told.duration.seconds,
+        duration=duration,
         bit_rate=None if told.bit_rate is None else told.bit_rate.whole,
+        bit_rate_line=0 if told.bit_rate is None else told.bit_rate.line,
     )
 
 
@@ -55,11 +58,13 @@ def _cast(nodes: Mapping[Item, Node | None], cast: Cast) -> Cast:
     return cast
 
 
-def _steps(told: Sequence[Deed | None], cast: Cast) -> tuple[Step, ...]:
+def _steps(told: Sequence[Deed | None], cast: Cast, duration: float | None) -> tuple[Step, ...]:
     reader = StepReader(cast)
-    for step in told:
-        if step is not None:
-            reader.read(step)
+    deeds = [step for step in told if step is not None]
+    for deed in deeds:
+        reader.read(deed)
+    if deeds and deeds[0].place.problems.none:
+        check_length(deeds, reader.steps, duration)
     return tuple(reader.steps)
 
 
