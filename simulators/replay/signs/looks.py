@@ -20,8 +20,8 @@ class Holds(Sign):
     def look(self, node: Node) -> tuple[bool, str]:
         """Whether all of them hold at this moment."""
         values = [(target, wanted, _value(node, target)) for target, wanted in self.wanted]
-        told = ", ".join(f"{target} is {wanted.tell(value)}" for target, wanted, value in values)
-        return all(value in wanted for _, wanted, value in values), told
+        told = (f"{target} is {_told(wanted, value)}" for target, wanted, value in values)
+        return all(_is(wanted, value) for _, wanted, value in values), ", ".join(told)
 
     def __str__(self) -> str:
         return ", ".join(f"{target} {wanted}" for target, wanted in self.wanted)
@@ -54,12 +54,25 @@ def _state(happening: Happening) -> State:
     return happening.state
 
 
+class NoValue(str):
+    """Why there is none; whatever is wanted, this is not it."""
+
+    __slots__ = ()
+
+
+def _is(wanted: Wanted, value: object) -> bool:
+    return not isinstance(value, NoValue) and value in wanted
+
+
+def _told(wanted: Wanted, value: object) -> str:
+    return str(value) if isinstance(value, NoValue) else wanted.tell(value)
+
+
 def _value(node: Node, target: Target) -> object:
-    """What is no value, a text in brackets."""
     if node.slave is None:
-        return "(silent)"
+        return NoValue("(silent)")
     try:
         entry = node.slave.entry(*target.address)
         return entry.unpack(entry.read())
     except Rejected as refusal:
-        return f"(refused: {refusal})"
+        return NoValue(f"(refused: {refusal})")
