@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from simulators.device import Device
+from simulators.objects import Address
 from simulators.replay.signs import Sign
 
 if TYPE_CHECKING:
@@ -52,6 +53,11 @@ class Action:
 
     def __str__(self) -> str:
         return type(self).__name__.lower()
+
+    @property
+    def about(self) -> Sequence[Address]:
+        """The objects whose values it is about."""
+        return ()
 
     def carry_out(self, stage: Stage) -> None:
         """Do it, now.

@@ -18,7 +18,9 @@ NODES = {"left": {"device": "probe", "node_id": 5}, "right": {"device": "probe",
 nodes = st.sampled_from(sorted(NODES))
 seconds = st.sampled_from([0, 0.000001, 0.02, 0.1, 0.25, 1])
 values = st.one_of(st.sampled_from([0, 1, 2, "any"]), st.just({"min": 1}))
-commands = st.sampled_from(["start", "stop", "pre-operational", "reset-node", "reset-communication"])
+commands = st.sampled_from(
+    ["start", "stop", "pre-operational", "reset-node", "reset-communication"]
+)
 objects = st.sampled_from(["Byte", "Word", "Level", "0x2002"])
 readable = st.sampled_from(["Byte", "Level", "0x1000"])
 frames = st.sampled_from(["080#", "185#*", "705#xx", "585#*", "2xx#*", "605#*"])
@@ -71,7 +73,9 @@ deeds = st.one_of(
     one("nmt", commands),
     one("power", st.sampled_from(["on", "off"])),
     one("send", st.sampled_from(["080#", "000#8200", "205#01.02.03", "605#4000100000000000"])),
-    one("write", st.dictionaries(st.sampled_from(["Byte", "Level"]), st.integers(0, 2), min_size=1)),
+    one(
+        "write", st.dictionaries(st.sampled_from(["Byte", "Level"]), st.integers(0, 2), min_size=1)
+    ),
     one("read", st.dictionaries(readable, values, min_size=1)),
     st.builds(
         lambda verb, code: {verb: {"0x2002": 1}, "abort": code, "timeout": 0.3},

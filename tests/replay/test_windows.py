@@ -219,7 +219,10 @@ def test_a_silent_node_has_no_value_not_even_any(played):
         ),
         ("frame: 222#, from: master, before: {frame: 222#, from: master}", "PASS 2 222#"),
         ("never: {frame: 222#, from: master}, before: {frame: 222#, from: master}", "FAIL 2 222#"),
-        ("frame: 111#*, from: master, before: {node: probe, state: stopped, nth: 2}", "PASS 1 111#01"),
+        (
+            "frame: 111#*, from: master, before: {node: probe, state: stopped, nth: 2}",
+            "PASS 1 111#01",
+        ),
     ],
 )
 def test_both_ends_of_a_window_count_and_one_microsecond_has_an_order(played, expected, outcome):

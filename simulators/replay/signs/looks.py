@@ -1,9 +1,10 @@
 """How a node is: the values of its objects, and the NMT state it enters."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from simulators.node import Node
-from simulators.objects import Rejected
+from simulators.objects import Address, Rejected
 from simulators.replay.signs.sign import Changed, Happening, Sign
 from simulators.replay.signs.wanted import Wanted
 from simulators.replay.targets import Target
@@ -16,6 +17,11 @@ class Holds(Sign):
 
     wanted: tuple[tuple[Target, Wanted], ...]
     looks = True
+
+    @property
+    def addresses(self) -> Sequence[Address]:
+        """All of them."""
+        return [target.address for target, _ in self.wanted]
 
     def look(self, node: Node) -> tuple[bool, str]:
         """Whether all of them hold at this moment."""
