@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from simulators.decode import Decoder
 from simulators.node import Node
+from simulators.objects import Address
 from simulators.segment import Record
 from simulators.why import why
 
@@ -17,7 +18,11 @@ def scene(records: Sequence[Record], nodes: Sequence[Node]) -> str:
 
 
 def device_report(
-    node: Node, records: Sequence[Record], since: float = 0.0, wanted: str = ""
+    node: Node,
+    records: Sequence[Record],
+    since: float = 0.0,
+    wanted: str = "",
+    about: Sequence[Address] = (),
 ) -> str:
     """How a node is, and why it answered the last frames as it did.
 
@@ -26,8 +31,9 @@ def device_report(
         records: The frames of its bus, the last one last.
         since: Where their time begins, in seconds of the node's clock.
         wanted: What was waited for in vain, as `why` takes it.
+        about: The objects it is about.
     """
-    reasons = why(node, records[-SHOWN:], since, wanted)
+    reasons = why(node, records[-SHOWN:], since, wanted, about)
     return "\n".join([device_state(node), *(f"  why: {reason}" for reason in reasons)])
 
 

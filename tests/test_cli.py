@@ -245,6 +245,13 @@ def test_a_run_takes_the_settings_of_its_scenario_unless_told_otherwise(told):
     assert told(STORY, "--set", "serial=78")[0] == 1
 
 
+def test_what_only_a_simulated_bus_can_do_is_left_out_of_a_verdict_in_real_time(told):
+    code, out, _ = told("bit_rate: 125000\n" + STORY)
+    assert code == 0
+    assert "story.yaml: SKIP (1 PASS, 1 SKIP)\n" in out
+    assert "story.yaml:1: bit rate of 125000 bit/s: left out: this bus is not simulated" in out
+
+
 PAIR = """\
 version: 1
 nodes:

@@ -59,7 +59,7 @@ class Line(Progress):
             return
         self._due = self._wall() + PERIOD
         self._written = True
-        total = max(now, self._player.horizon, self._player.scenario.duration)
+        total = max(now, self._player.horizon, self._player.scenario.duration or 0.0)
         self._write(f"{now:.0f} of {total:.0f} s simulated")
 
     def clear(self) -> None:

@@ -44,6 +44,11 @@ class Problems:
         self.file = file
         self._found: set[tuple[int, int, str]] = set()
 
+    @property
+    def none(self) -> bool:
+        """Whether nothing has been found."""
+        return not self._found
+
     def add(self, mark: Mark, text: str) -> None:
         """Note something wrong at a place."""
         self._found.add((mark.line + 1, mark.column + 1, text))

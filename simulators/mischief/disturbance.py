@@ -12,6 +12,7 @@ from simulators.faults import Fault, Parameter
 from simulators.mischief.effects import Effect
 from simulators.mischief.turn import Turn
 from simulators.node import Node
+from simulators.slave import Slave
 from simulators.wire import Filter, Frame, Onward
 
 Fits = Callable[[Node, Frame], bool]
@@ -110,16 +111,19 @@ class Filtering(Disturbance):
 
     def strike(self, frame: Frame, onward: Onward) -> None:
         """Send onward what comes out of a frame."""
+        sender = self.node.slave
         for delay, altered in self._effect(frame):
             if delay:
                 self._held += 1
-                self.clock.after(delay, partial(self._release, altered, onward))
+                self.clock.after(delay, partial(self._release, altered, onward, sender))
             else:
                 onward(altered)
 
-    def _release(self, frame: Frame, onward: Onward) -> None:
+    def _release(self, frame: Frame, onward: Onward, sender: Slave | None) -> None:
+        """What is on the line stays there; what a node has yet to send goes with a reset."""
         self._held -= 1
-        onward(frame)
+        if self.side is Side.LINE or self.node.slave is sender:
+            onward(frame)
 
 
 def _side(filter: Filter) -> Side:

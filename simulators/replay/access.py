@@ -1,8 +1,9 @@
 """What a step does by SDO, as a master would: it writes and reads objects."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from simulators.objects import Abort
+from simulators.objects import Abort, Address
 from simulators.replay.context import Context
 from simulators.replay.scenario import Action
 from simulators.replay.sdo import ACCEPTED, Answer, download, upload
@@ -64,6 +65,11 @@ class Read(Action):
     """As for `Write`."""
     timeout: float = PATIENCE
     """As for `Write`."""
+
+    @property
+    def about(self) -> Sequence[Address]:
+        """What it reads."""
+        return [target.address for target, _ in self.uploads]
 
     def carry_out(self, context: Context) -> None:
         """What is refused or another value ends the rest of the step; else all is told."""

@@ -34,6 +34,16 @@ class Send(Action):
 
 
 @dataclass(frozen=True)
+class Limit(Action):
+    """A bit rate for the bus; it is there before the first step, or never."""
+
+    bit_rate: int
+
+    def __str__(self) -> str:
+        return f"bit rate of {self.bit_rate} bit/s"
+
+
+@dataclass(frozen=True)
 class Nmt(Action):
     """A command of the NMT master to the node."""
 

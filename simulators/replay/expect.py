@@ -1,7 +1,9 @@
 """What the master and the nodes should do, or should not: a sign and the window it is seen in."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+from simulators.objects import Address
 from simulators.replay.context import Context
 from simulators.replay.scenario import Action, Condition
 from simulators.replay.signs import Sign
@@ -23,6 +25,11 @@ class Expectation(Action):
     """What ends the window, too."""
     never: bool = False
     """Whether it must not be seen."""
+
+    @property
+    def about(self) -> Sequence[Address]:
+        """The objects of its sign."""
+        return self.sign.addresses
 
     @property
     def seconds(self) -> float | None:

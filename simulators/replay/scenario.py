@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from simulators.device import Device
+from simulators.objects import Address
 from simulators.replay.signs import Sign
 
 if TYPE_CHECKING:
@@ -52,6 +53,11 @@ class Action:
 
     def __str__(self) -> str:
         return type(self).__name__.lower()
+
+    @property
+    def about(self) -> Sequence[Address]:
+        """The objects whose values it is about."""
+        return ()
 
     def carry_out(self, context: Context) -> None:
         """Do it, now.
@@ -106,7 +112,9 @@ class Scenario:
     """The statements it is about."""
     seed: int = 1
     """What the file gives, or would have given; the reader has put it where it belongs."""
-    duration: float = 0.0
-    """Seconds that the run lasts at least."""
+    duration: float | None = None
+    """Seconds that the run lasts at least; None: conditions are waited for, a minute at most."""
     bit_rate: int | None = None
     """In bit/s, for the simulated bus; None: frames take no time."""
+    bit_rate_line: int = 0
+    """Of the file, where it stands."""

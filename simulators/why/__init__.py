@@ -7,10 +7,12 @@ somebody asks; what does not, the diary of its wire has kept.
 from collections.abc import Sequence
 
 from simulators.node import Node
+from simulators.objects import Address
 from simulators.segment import Record
 from simulators.why import events, pdos, requests
 from simulators.why.sections import Sections, sections
 from simulators.why.silence import missing, silence
+from simulators.why.sought import sought
 from simulators.why.view import View
 
 __all__ = ["TOLD", "Sections", "sections", "why"]
@@ -18,15 +20,23 @@ __all__ = ["TOLD", "Sections", "sections", "why"]
 TOLD = 6  # lines about frames
 
 
-def why(node: Node, records: Sequence[Record], since: float = 0.0, wanted: str = "") -> list[str]:
+def why(
+    node: Node,
+    records: Sequence[Record],
+    since: float = 0.0,
+    wanted: str = "",
+    about: Sequence[Address] = (),
+) -> list[str]:
     """What stood between a master and a node lately, the last of it last.
 
     Args:
         node: The one that is asked about, as it is now.
         records: The last frames of the bus.
         since: Where the time of the records begins, in seconds of the node's clock.
-        wanted: What was waited for in vain, in words that begin with a frame in the notation of
-            cansend, with `EMCY` or with `heartbeat`; empty if nothing was.
+        wanted: What was waited for in vain, in words as a scenario has them: they begin with a
+            frame in the notation of cansend, with `EMCY`, `heartbeat`, `state`, `write`, `NMT` or
+            with `no frame`; empty if nothing was.
+        about: The objects it is about.
     """
     view = View(node, records, since)
     explain = (requests.explained, pdos.explained, events.commands, events.emergencies)
@@ -34,4 +44,5 @@ def why(node: Node, records: Sequence[Record], since: float = 0.0, wanted: str =
     lines = [line for lines in explain for line in lines(view)]
     lines.sort(key=lambda line: places[id(line.record)])
     told = [line.text for line in lines[-TOLD:]]
-    return [*told, *filter(None, (silence(view), missing(view, wanted)))]
+    told += filter(None, (silence(view), missing(view, wanted)))
+    return [*told, *sought(view, wanted, about, "\n".join(told))]

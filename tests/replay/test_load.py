@@ -27,7 +27,7 @@ def test_a_file_says_who_takes_part_and_what_happens_when(loaded):
 
 def test_a_scenario_without_a_name_has_that_of_its_file(loaded):
     scenario = loaded("{version: 1, node: {device: probe}, steps: []}")
-    assert (scenario.name, scenario.note, scenario.duration) == ("story", "", 0)
+    assert (scenario.name, scenario.note, scenario.duration) == ("story", "", None)
 
 
 def test_settings_are_delivered_with_the_device(loaded):

@@ -27,7 +27,7 @@ def test_a_file_has_everything_that_is_about_the_whole_run(loaded):
 def test_what_a_file_does_not_say_is_as_it_was(loaded):
     scenario = loaded("{version: 1, node: {device: probe}, steps: []}")
     assert (scenario.covers, scenario.seed) == ((), 1)
-    assert (scenario.duration, scenario.bit_rate, scenario.cleanup) == (0, None, ())
+    assert (scenario.duration, scenario.bit_rate, scenario.cleanup) == (None, None, ())
 
 
 def test_each_step_is_about_its_node_with_the_names_of_its_device(loaded):

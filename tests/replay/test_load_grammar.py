@@ -107,7 +107,7 @@ def test_a_frame_is_sent_to_nobody_in_particular(read):
 def test_a_condition_is_a_sign(met, expected, told, sign):
     assert met(told) == Condition(sign, "left")
     assert expected(f"{told}, within: 2") == Expectation(sign, 2.0)
-    assert expected(f"never: {{{told}}}") == Expectation(sign, never=True)
+    assert expected(f"never: {{{told}}}, within: 2") == Expectation(sign, 2.0, never=True)
 
 
 @pytest.mark.parametrize(

@@ -104,15 +104,43 @@ def test_a_moment_that_never_comes_is_an_error_once_nothing_else_is_to_come(play
         - {at: 2, expect: {emcy: none, within: 1}}
         """
     )
-    assert outcomes == ["ERROR 3 its moment never came", "PASS 3 none came"]
+    assert outcomes == ["ERROR 63 its moment never came", "PASS 3 none came"]
     assert frames == ["0 705#00"]
 
 
 def test_a_moment_is_waited_for_as_long_as_the_run_should_last(played):
     steps = "- {when: {heartbeat: any}, send: 777#}\n- {at: 0, write: {Producer heartbeat: 5000}}\n"
-    assert played(steps)[1] == ["ERROR 1e-06 its moment never came"]
+    assert played(f"{steps}duration: 0\n")[1] == ["ERROR 1e-06 its moment never came"]
+    assert played(f"{steps}duration: 4\n")[1] == ["ERROR 4 its moment never came"]
     frames, outcomes = played(f"{steps}duration: 5\n")
     assert (frames[-1], outcomes) == ("5 777#", [])
+
+
+def test_without_a_duration_a_moment_has_a_minute_from_the_last_thing_on(played):
+    steps = """\
+        - {{at: 1, write: {{Producer heartbeat: {}}}}}
+        - {{when: {{heartbeat: any}}, write: {{Producer heartbeat: {}}}}}
+        - {{when: {{heartbeat: any}}, send: 777#}}
+        """
+    frames, outcomes = played(steps.format(40000, 50000))
+    assert (frames[-1], outcomes) == ("91 777#", [])
+    assert played(steps.format(60000, 59000))[1] == []
+    assert played(steps.format(60001, 59000))[1] == [
+        "ERROR 61 its moment never came",
+        "SKIP 61 left out after the error in line 5",
+    ]
+
+
+def test_what_ends_a_window_has_a_minute_as_well_and_no_longer_than_it_takes(played):
+    steps = """\
+        - {{at: 1, write: {{Producer heartbeat: {}}}}}
+        - {{at: 1, expect: {{emcy: any, before: {{heartbeat: any}}}}}}
+        """
+    assert played(steps.format(500))[1] == ["FAIL 1.5 none came, before heartbeat: pre-operational"]
+    assert played(steps.format(60000))[1] == [
+        "FAIL 61 none came, before heartbeat: pre-operational"
+    ]
+    assert played(steps.format(60001))[1] == ["FAIL 61 none came"]
 
 
 def test_a_moment_is_watched_for_from_the_step_above_on(played):

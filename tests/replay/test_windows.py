@@ -193,3 +193,93 @@ def test_each_node_is_expected_for_itself_and_none_of_them_is_the_master(loaded,
         "PASS 5 none came",
         "PASS 5 Byte = 1",
     ]
+
+
+def test_a_silent_node_has_no_value_not_even_any(played):
+    _, outcomes = played(
+        """\
+        - {at: 1, power: off}
+        - {at: 1, expect: {value: {Byte: any}}}
+        - {at: 1, expect: {never: {value: {Byte: any}}, within: 1}}
+        """
+    )
+    assert outcomes == ["FAIL 1 Byte is (silent)", "PASS 2 Byte is (silent)"]
+
+
+@pytest.mark.parametrize(
+    ("expected", "outcome"),
+    [
+        ("never: {frame: 111#*, from: master}, within: 0.5", "FAIL 1 111#01"),
+        ("never: {frame: 222#*, from: master}, within: 1", "FAIL 2 222#"),
+        ("never: {frame: 222#*, from: master}, within: 0.999999", "PASS 2 none came"),
+        ("frame: 222#, from: master, before: {frame: 333#, from: master}", "PASS 2 222#"),
+        (
+            "frame: 333#, from: master, before: {frame: 222#, from: master}",
+            "FAIL 2 none came, before 222# of the master: 222#",
+        ),
+        ("frame: 222#, from: master, before: {frame: 222#, from: master}", "PASS 2 222#"),
+        ("never: {frame: 222#, from: master}, before: {frame: 222#, from: master}", "FAIL 2 222#"),
+        (
+            "frame: 111#*, from: master, before: {node: probe, state: stopped, nth: 2}",
+            "PASS 1 111#01",
+        ),
+    ],
+)
+def test_both_ends_of_a_window_count_and_one_microsecond_has_an_order(played, expected, outcome):
+    _, outcomes = played(
+        f"""\
+        - {{at: 1, send: 111#01}}
+        - {{at: 1, expect: {{{expected}}}}}
+        - {{at: 2, send: 222#}}
+        - {{at: 2, send: 333#}}
+        """
+    )
+    assert outcomes == [outcome]
+
+
+def test_the_third_of_one_microsecond_is_the_third(played):
+    frames, _ = played(
+        """\
+        - {when: {frame: 111#*, from: master, nth: 3}, send: 777#}
+        - {at: 1, send: 111#01}
+        - {at: 1, send: 111#02, every: 0.5, times: 2}
+        - {at: 1, send: 111#03}
+        """
+    )
+    assert frames[-3:] == ["1 111#03", "1 777#", "1.5 111#02"]
+
+
+def test_what_an_rpdo_writes_is_what_it_maps_at_that_moment(played):
+    _, outcomes = played(
+        """\
+        - {at: 1, nmt: start}
+        - {at: 1, expect: {write: {Word: 0x0102}, within: 3}}
+        - {at: 1, expect: {never: {write: {Byte: any}}, within: 3}}
+        - {at: 1.1, write: {RPDO 1.COB-ID: 0x80000205, RPDO 1 mapping.Number of mapped objects: 0}}
+        - {after: 0, write: {0x1600:01: 0x20010010, 0x1600:00: 1, RPDO 1.COB-ID: 0x205}}
+        - {at: 2, send: 205#0201}
+        """
+    )
+    assert outcomes == ["PASS 2 Word = 0x0102", "PASS 4 none came"]
+
+
+@pytest.mark.parametrize(
+    ("ends", "frames"),
+    [
+        ("power: off", []),
+        ("nmt: reset-node", ["1.2 000#8105", "1.2 705#00"]),
+        ("nmt: reset-communication", ["1.2 000#8205", "1.2 705#00"]),
+    ],
+)
+def test_an_answer_that_is_late_goes_with_the_device_that_owed_it(played, ends, frames):
+    heard, outcomes = played(
+        f"""\
+        - {{at: 1, inject: {{sdo_late: {{seconds: 0.5}}}}}}
+        - {{at: 1, write: {{Byte: 1}}, abort: none}}
+        - {{at: 1.2, {ends}}}
+        - {{at: 2, expect: {{silence: true, within: 1}}}}
+        """
+    )
+    asked, given_up = "1 605#2F00200001000000", "2 605#8000200000000405"
+    assert heard == ["0 705#00", asked, *frames, given_up]
+    assert outcomes == ["PASS 2 Byte is not answered", "PASS 3 none came"]

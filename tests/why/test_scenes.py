@@ -94,3 +94,48 @@ def test_a_story_that_begins_later_knows_the_states_of_its_moments(tmp_path):
     segment.advance(12.0)
     (outcome,) = player.verdict.outcomes
     assert "  why: 605#2B14200001000000 not answered: the node was stopped" in outcome.scene
+
+
+@pytest.mark.parametrize(
+    ("expected", "reason"),
+    [
+        ("value: {Actual voltage: {min: 1000}}", "see Actual voltage (manual 7.3.10)"),
+        ("state: operational", "the node is stopped, and no NMT command 01h came for it"),
+        ("write: {Run command: 0}", "Run command (manual 7.3.9) is in RPDO4, 505h"),
+        ("nmt: start", "000#0106 is for node 6, this is node 5"),
+        ("silence: true", "705#04 is a heartbeat: Producer Heartbeat Time (manual 7.2.10) is 500"),
+    ],
+)
+def test_every_kind_of_expectation_has_its_reason(tmp_path, expected, reason):
+    file = Path(tmp_path / "story.yaml")
+    file.write_text(
+        dedent(f"""\
+        version: 1
+        node: {{device: topcon, node_id: 5}}
+        steps:
+          - {{at: 1, write: {{Producer Heartbeat Time: 500}}}}
+          - {{at: 1, send: 000#0106}}
+          - {{at: 2, nmt: stop}}
+          - {{at: 3, expect: {{{expected}, within: 1}}}}
+        """)
+    )
+    (outcome,) = play(load(file)).outcomes
+    assert f"  why: {reason}" in outcome.scene
+
+
+def test_a_value_that_is_read_has_the_same_reasons(tmp_path):
+    file = Path(tmp_path / "story.yaml")
+    file.write_text(
+        dedent("""\
+        version: 1
+        node: {device: topcon, node_id: 5}
+        steps:
+          - {at: 1, inject: interlock_open}
+          - {at: 2, write: {Run command: 1}}
+          - {at: 3, send: "080#", every: 0.01, times: 20}
+          - {after: 1, read: {Actual voltage: 5}}
+        """)
+    )
+    (outcome,) = play(load(file)).outcomes
+    assert "  why: without effect now: an error is active, and RUN waits" in outcome.scene
+    assert "  why: active: 9000h interlock loop open" in outcome.scene

@@ -72,7 +72,7 @@ class ScenarioFile(File):
     seed: Annotated[Item, whole(0, HIGHEST_SEED)] | None = None
     """Where chance begins, for every fault and device that has a `seed` and is given none."""
     duration: Seconds | None = None
-    """Seconds that the run lasts at least."""
+    """Seconds that the run lasts at least; without it conditions are waited for another 60 s."""
     bit_rate: Annotated[Item, whole(*BIT_RATES)] | None = None
     """Bit/s of the simulated bus; frames take no time if it is left out."""
     node: Node | None = None

@@ -10,12 +10,14 @@ from simulators.replay.scenario import Step
 from simulators.replay.verdict import Finding, Kind
 
 UNDECIDED = Finding(Kind.ERROR, "the run ended before it was decided")
+PATIENCE = 60.0  # seconds; as long as it takes to start a master by hand
 
 
 class Agenda:
     """Calls `end` once nothing is left, or nothing that time alone would bring on.
 
     What is left then are conditions that have not been met, and windows that only the end closes.
+    Conditions are waited for another minute, or for the duration if one is given.
     """
 
     def __init__(self, turns: Sequence[Turn], clock: Clock, end: Callable[[], None]) -> None:
@@ -26,14 +28,16 @@ class Agenda:
         self.horizon = 0
         """The last microsecond of all that is known to come, of windows even if decided."""
         self._lasts = 0  # not over before this microsecond
+        self._patience = 0  # microseconds
         self._clock = clock
         self._end = end
         self._busy: set[Turn] = set()  # time alone brings them on
         self._timer: Timer | None = None
 
-    def begin(self, duration: float) -> None:
-        """From now on, at least so many seconds."""
+    def begin(self, duration: float | None) -> None:
+        """From now on, at least so many seconds; None: as long as it takes."""
         self.horizon = self._lasts = self._clock.ticks
+        self._patience = microseconds(PATIENCE) if duration is None else 0
         if duration:
             self.last_until(self._clock.ticks + microseconds(duration))
 
@@ -73,10 +77,24 @@ class Agenda:
 
     def settle(self) -> None:
         """If only the end is left to wait for, wait for it."""
-        if self._timer is None and not self._moves:
-            last = self.horizon if self.turns or self.windows else self._clock.ticks
-            tick = max(last + GRAIN, self._lasts, self._clock.ticks)
-            self._timer = self._clock.at_tick(tick, self._look)
+        if self._timer is not None:
+            self._timer.cancel()
+        if not self._moves:
+            self._timer = self._clock.at_tick(max(self._due, self._clock.ticks), self._look)
+
+    @property
+    def _due(self) -> int:
+        """The microsecond of the end, if nothing comes in between."""
+        last = self.horizon if self.turns or self.windows else self._clock.ticks
+        patience = self._patience if self._waits else 0
+        return max(last + GRAIN + patience, self._lasts)
+
+    @property
+    def _waits(self) -> bool:
+        """Whether a condition may still bring something on."""
+        return any(turn.waiting for turn in self.turns) or any(
+            window.waits for window in self.windows
+        )
 
     @property
     def _moves(self) -> bool:
@@ -84,7 +102,5 @@ class Agenda:
 
     def _look(self) -> None:
         self._timer = None
-        if self._moves or self._clock.ticks < self._lasts:
-            self.settle()
-        else:
+        if not self._moves:
             self._end()

@@ -32,7 +32,7 @@ class Judge:
         outcome = self._outcome(step, finding, tick)
         scene = None
         if finding.kind not in WITHOUT_SCENE:
-            scene = self._scenes.begin(outcome.time, step.node, outcome.what)
+            scene = self._scenes.begin(outcome.time, step)
         self._decided.append((outcome, scene))
         self._tell(step, outcome)
 
@@ -41,7 +41,7 @@ class Judge:
         outcomes = [replace(each, scene=str(scene or "")) for each, scene in self._decided]
         for step, finding in undecided:
             outcome = self._outcome(step, finding, tick)
-            scene = self._scenes.look(outcome.time, step.node, outcome.what)
+            scene = self._scenes.look(outcome.time, step)
             outcomes.append(replace(outcome, scene=str(scene)))
         return tuple(sorted(outcomes, key=lambda outcome: outcome.line))
 

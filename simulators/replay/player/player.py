@@ -6,6 +6,7 @@ from functools import partial
 from simulators.clock import MICROSECONDS, microseconds
 from simulators.errors import UserError
 from simulators.node import Node
+from simulators.replay.actions import Limit
 from simulators.replay.player.client import Client
 from simulators.replay.player.events import Event
 from simulators.replay.player.happenings import Happenings
@@ -16,9 +17,9 @@ from simulators.replay.player.scenes import Scenes
 from simulators.replay.player.sequencer import Sequencer
 from simulators.replay.player.tools import Tools
 from simulators.replay.player.watch import GRAIN
-from simulators.replay.scenario import Scenario, Step
+from simulators.replay.scenario import At, Scenario, Step
 from simulators.replay.signs import Entered, Written
-from simulators.replay.verdict import Outcome, Verdict
+from simulators.replay.verdict import Finding, Kind, Outcome, Verdict
 from simulators.segment import Segment
 from simulators.services import State
 from simulators.wire import Frame
@@ -26,6 +27,7 @@ from simulators.wire import Frame
 NAME = "scenario"
 LONGEST = 86_400  # seconds of a run
 ANSWERS = range(0x581, 0x600)  # of SDO servers
+REAL = Finding(Kind.SKIP, "left out: this bus is not simulated, and has a bit rate of its own")
 
 
 class Player:
@@ -81,6 +83,7 @@ class Player:
                 self._happenings.attend_to_writes(self._nodes[watched])
         limit = self._begin + microseconds(LONGEST) + GRAIN
         self._limit = self._clock.at_tick(limit, self._steps.expire)
+        self._leave_out_bit_rate()
         self._steps.start()
 
     @property
@@ -114,6 +117,13 @@ class Player:
     def _send(self, frame: Frame) -> None:
         self._wire.put(frame)
         self._segment.deliver()
+
+    def _leave_out_bit_rate(self) -> None:
+        """What only a simulated bus can do is no part of a verdict on another one."""
+        scenario = self.scenario
+        if scenario.bit_rate is not None and not self._segment.limited:
+            step = Step(At(0), "", Limit(scenario.bit_rate), "", scenario.bit_rate_line)
+            self._judge.decide(step, REAL, self._clock.ticks)
 
     def _clean_up(self) -> None:
         self._limit.cancel()

@@ -4,6 +4,7 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 
 from simulators.node import Node
+from simulators.replay.scenario import Step
 from simulators.report import SHOWN, device_report, last_frames
 from simulators.segment import Record
 from simulators.wire import Frame
@@ -61,17 +62,18 @@ class Scenes:
                 scene.hear(record)
             self._open = [scene for scene in self._open if not scene.complete]
 
-    def begin(self, time: float, about: str, wanted: str) -> Scene:
+    def begin(self, time: float, step: Step) -> Scene:
         """The scene of this moment, which takes in what comes after it."""
-        scene = self.look(time, about, wanted)
+        scene = self.look(time, step)
         self._open.append(scene)
         return scene
 
-    def look(self, time: float, about: str, wanted: str) -> Scene:
-        """The scene of this moment, as it is: what was wanted, of the node it is about."""
+    def look(self, time: float, step: Step) -> Scene:
+        """The scene of this moment, as it is; what a step wants concerns its node."""
         records = [Record(self._time(tick), frame, sender) for tick, frame, sender in self._recent]
+        wanted = str(step.action), step.action.about
         reports = [
-            device_report(node, records, -self._time(0), wanted if name == about else "")
+            device_report(node, records, -self._time(0), *(wanted if name == step.node else ()))
             for name, node in self._nodes.items()
         ]
         return Scene(records, tuple(self._nodes.values()), time, reports)

@@ -18,6 +18,7 @@ NEVER_CAME = Finding(Kind.ERROR, "its moment never came")
 class Sequencer:
     """Calls `tell_over` once it is over, which is not before `duration` in seconds.
 
+    With None for it, conditions have as long as a master may need that is started by hand.
     With `strict`, the first error ends it at once.
     """
 
@@ -26,7 +27,7 @@ class Sequencer:
         steps: Sequence[Step],
         tools: Tools,
         tell_over: Callable[[], None] = lambda: None,
-        duration: float = 0.0,
+        duration: float | None = 0.0,
         strict: bool = True,
     ) -> None:
         self.over = False

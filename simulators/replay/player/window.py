@@ -35,6 +35,11 @@ class Window:
         if before := expectation.before:
             self._watches.append(self._end_watch(before))
 
+    @property
+    def waits(self) -> bool:
+        """Whether a condition ends it, which may still come."""
+        return self._expectation.before is not None
+
     def _watch(self, parts: Sequence[Sign]) -> Watch:
         return Watch(parts, self._tools.nodes[self.step.node], self._clock, self._seen)
 

@@ -8,6 +8,7 @@ from simulators.documents.table import understand_table
 from simulators.replay.file.scenario import BenchFile, Node, ScenarioFile
 from simulators.replay.file.step import AnyStep
 from simulators.replay.load import Find
+from simulators.replay.reading.length import check_length
 from simulators.replay.reading.participants import Participants
 from simulators.replay.reading.steps import StepReader
 from simulators.replay.scenario import NodeSpec, Scenario, Step
@@ -33,6 +34,7 @@ def read_bench(path: Path, find: Find) -> Mapping[str, NodeSpec]:
 
 def _scenario(told: ScenarioFile, path: Path, find: Find) -> Scenario:
     seed = None if told.seed is None else told.seed.whole
+    duration = None if told.duration is None else told.duration.seconds
     participants = Participants(find, seed)
     if told.node is not None:
         participants.take(told.node.device, told.node, told.node.place)
@@ -42,12 +44,13 @@ def _scenario(told: ScenarioFile, path: Path, find: Find) -> Scenario:
         name=_text(told.name) or path.stem,
         note=_text(told.note),
         nodes=participants.specs,
-        steps=_steps(told.steps, participants),
-        cleanup=_steps(told.cleanup or [], participants),
+        steps=_steps(told.steps, participants, duration),
+        cleanup=_steps(told.cleanup or [], participants, 0.0),
         covers=tuple(each.text for each in told.covers or []),
         seed=DEFAULT_SEED if seed is None else seed,
-        duration=0.0 if told.duration is None else told.duration.seconds,
+        duration=duration,
         bit_rate=None if told.bit_rate is None else told.bit_rate.whole,
+        bit_rate_line=0 if told.bit_rate is None else told.bit_rate.line,
     )
 
 
@@ -57,11 +60,15 @@ def _participants(nodes: Mapping[Item, Node | None], participants: Participants)
     return participants
 
 
-def _steps(told: Sequence[AnyStep | None], participants: Participants) -> tuple[Step, ...]:
+def _steps(
+    told: Sequence[AnyStep | None], participants: Participants, duration: float | None
+) -> tuple[Step, ...]:
     reader = StepReader(participants)
-    for step in told:
-        if step is not None:
-            reader.read(step)
+    steps = [step for step in told if step is not None]
+    for step in steps:
+        reader.read(step)
+    if steps and steps[0].place.problems.none:
+        check_length(steps, reader.steps, duration)
     return tuple(reader.steps)
 
 

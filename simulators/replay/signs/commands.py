@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from simulators.node import Node
+from simulators.objects import Address
 from simulators.replay.signs.frames import FrameSign
 from simulators.replay.signs.sign import Happening, Sign, Wrote
 from simulators.replay.signs.wanted import Wanted
@@ -54,6 +55,11 @@ class Written(Sign):
     """The master writes objects, by SDO or with an RPDO: all of them, in any order."""
 
     wanted: tuple[tuple[Target, Wanted], ...]
+
+    @property
+    def addresses(self) -> Sequence[Address]:
+        """All of them."""
+        return [target.address for target, _ in self.wanted]
 
     @property
     def parts(self) -> tuple[Sign, ...]:

@@ -1,9 +1,10 @@
 """How a node is: the values of its objects, and the NMT state it enters."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from simulators.node import Node
-from simulators.objects import Rejected
+from simulators.objects import Address, Rejected
 from simulators.replay.signs.sign import Changed, Happening, Sign
 from simulators.replay.signs.wanted import Wanted
 from simulators.replay.targets import Target
@@ -17,11 +18,16 @@ class Holds(Sign):
     wanted: tuple[tuple[Target, Wanted], ...]
     looks = True
 
+    @property
+    def addresses(self) -> Sequence[Address]:
+        """All of them."""
+        return [target.address for target, _ in self.wanted]
+
     def look(self, node: Node) -> tuple[bool, str]:
         """Whether all of them hold at this moment."""
         values = [(target, wanted, _value(node, target)) for target, wanted in self.wanted]
-        told = ", ".join(f"{target} is {wanted.tell(value)}" for target, wanted, value in values)
-        return all(value in wanted for _, wanted, value in values), told
+        told = (f"{target} is {_told(wanted, value)}" for target, wanted, value in values)
+        return all(_is(wanted, value) for _, wanted, value in values), ", ".join(told)
 
     def __str__(self) -> str:
         return ", ".join(f"{target} {wanted}" for target, wanted in self.wanted)
@@ -54,12 +60,25 @@ def _state(happening: Happening) -> State:
     return happening.state
 
 
+class NoValue(str):
+    """Why there is none; whatever is wanted, this is not it."""
+
+    __slots__ = ()
+
+
+def _is(wanted: Wanted, value: object) -> bool:
+    return not isinstance(value, NoValue) and value in wanted
+
+
+def _told(wanted: Wanted, value: object) -> str:
+    return str(value) if isinstance(value, NoValue) else wanted.tell(value)
+
+
 def _value(node: Node, target: Target) -> object:
-    """What is no value, a text in brackets."""
     if node.slave is None:
-        return "(silent)"
+        return NoValue("(silent)")
     try:
         entry = node.slave.entry(*target.address)
         return entry.unpack(entry.read())
     except Rejected as refusal:
-        return f"(refused: {refusal})"
+        return NoValue(f"(refused: {refusal})")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import ClassVar, NamedTuple
 
 from simulators.node import Node
@@ -51,6 +52,11 @@ class Sign:
     def parts(self) -> tuple[Sign, ...]:
         """The signs that have all to be seen, in any order."""
         return (self,)
+
+    @property
+    def addresses(self) -> Sequence[Address]:
+        """The objects it is about."""
+        return ()
 
     def sees(self, happening: Happening, node: Node) -> bool:
         """Whether this is what is meant."""

@@ -1,0 +1,66 @@
+"""Whether a run is long enough for what must never come in it."""
+
+from collections.abc import Sequence
+
+from simulators.errors import UserError
+from simulators.replay.actions import Inject
+from simulators.replay.expect import Expectation
+from simulators.replay.file.step import AnyStep
+from simulators.replay.scenario import After, At, Condition, Step
+
+IN_VAIN = (
+    "the run may be over as soon as this begins, so that nothing is watched: "
+    "give it 'within', or the file a 'duration'"
+)
+
+
+def check_length(told: Sequence[AnyStep], steps: Sequence[Step], duration: float | None) -> None:
+    """Note as a problem what would watch to the end of a run that is over then.
+
+    A step that waits for a condition comes at its earliest, so that some of it is not found.
+    """
+    begins = _begins(steps)
+    places = [each.place for each in told]
+    length = max([duration or 0.0, *map(_end, steps, begins)])
+    for number, (place, step, begin) in enumerate(zip(places, steps, begins, strict=True)):
+        with place.problems.at(place):
+            waits = duration is None and _waits(steps, number)
+            if _open(step) and length <= begin and not waits:
+                raise UserError(IN_VAIN)
+
+
+def _begins(steps: Sequence[Step]) -> list[float]:
+    """Seconds at which each step begins, or before which it does not."""
+    begins: list[float] = []
+    begin = end = 0.0
+    for step in steps:
+        if isinstance(step.moment, At):
+            begin = step.moment.seconds
+        elif isinstance(step.moment, After):
+            begin = end + step.moment.seconds
+        end = begin + (step.times - 1) * step.every
+        begins.append(begin)
+    return begins
+
+
+def _end(step: Step, begin: float) -> float:
+    """Seconds up to which it keeps the run going."""
+    action, lasts = step.action, 0.0
+    if isinstance(action, Expectation):
+        lasts = action.seconds or 0.0
+    elif isinstance(action, Inject) and isinstance(action.lasts, float):
+        lasts = action.lasts
+    return begin + (step.times - 1) * step.every + lasts
+
+
+def _open(step: Step) -> bool:
+    """Whether only the end of the run ends it."""
+    action = step.action
+    return isinstance(action, Expectation) and action.seconds is None and action.before is None
+
+
+def _waits(steps: Sequence[Step], number: int) -> bool:
+    """Whether others wait for a condition while one watches."""
+    ends = (step.action.before for step in steps if isinstance(step.action, Expectation))
+    below = (step.moment for step in steps[number + 1 :])
+    return any(isinstance(each, Condition) for each in (*ends, *below))
