@@ -7,7 +7,7 @@ from canopen import SdoAbortedError
 from simulators.entry import Entry
 from simulators.node import Node
 from simulators.objects import Rejected
-from simulators.services.emcy import FIELD_LENGTH, Emcy
+from simulators.services.emcy import Emcy, emcy_of
 from simulators.services.heartbeat import STATE_BYTE
 from simulators.services.nmt import RESETS, TARGET
 from simulators.services.pdo import Pdo
@@ -67,20 +67,16 @@ class Decoder:
                     yield slave, Rpdo(slave, number, lambda *_: None)
 
     def _emcy(self, frame: Frame, slave: Slave | None) -> str:
-        code, register = int.from_bytes(frame.data[:2], "little"), frame.data[2:3]
-        known = next((emcy for emcy in self._active() if _is(emcy, code, frame.data[3:])), None)
-        over = "one error less" if any(register) else "no error left"
-        label = known.label if known else "" if code else over
-        return f"EMCY {code:04X}h register {register.hex()}h {label}".strip()
+        told = emcy_of(frame.data)
+        known = next(filter(told.is_like, self._active()), None)
+        over = "one error less" if told.register else "no error left"
+        label = known.label if known else "" if told.code else over
+        return f"EMCY {told.code:04X}h register {told.register:02x}h {label}".strip()
 
     def _active(self) -> Iterator[Emcy]:
         for node in self._nodes:
             yield from node.device.emergencies
             yield from node.log.history
-
-
-def _is(emcy: Emcy, code: int, field: bytes) -> bool:
-    return emcy.code == code and emcy.field == field.ljust(FIELD_LENGTH, b"\0")
 
 
 def _nmt(frame: Frame) -> str:

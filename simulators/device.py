@@ -14,14 +14,12 @@ from simulators.memory import Memory
 from simulators.messages import Message
 from simulators.objects import Address, Object, Rejected
 from simulators.profile import Profile
-from simulators.services import Service, State
+from simulators.services import NODE_IDS, Service, State
 from simulators.services.emcy import Emcy, Farewell, when_all_are_gone
 from simulators.services.rpdo import Rpdo
 from simulators.services.tpdo import Tpdo
 from simulators.settings import NodeSettings, changed
 from simulators.slave import Slave, dictionary
-
-NODE_IDS = range(1, 128)
 
 
 class Device:

@@ -12,11 +12,11 @@ SHOWN = 20  # frames
 
 def scene(records: Sequence[Record], nodes: Sequence[Node]) -> str:
     """The last frames of a bus, how its nodes are, and why they answered as they did."""
-    stories = [device_story(node, records) for node in nodes]
-    return "\n".join([last_frames(records, nodes), *stories])
+    reports = [device_report(node, records) for node in nodes]
+    return "\n".join([last_frames(records, nodes), *reports])
 
 
-def device_story(
+def device_report(
     node: Node, records: Sequence[Record], since: float = 0.0, wanted: str = ""
 ) -> str:
     """How a node is, and why it answered the last frames as it did.
@@ -44,18 +44,10 @@ def last_frames(records: Sequence[Record], nodes: Sequence[Node]) -> str:
 
 def device_state(node: Node) -> str:
     """NMT state, active faults and what a look at the model shows."""
-    faults = [_call(node, name) for name in node.faults.active]
+    faults = [node.faults.words(*each) for each in node.faults.active.items()]
     lines = [
         f"{node.wire.name}: node {node.node_id}, {node.state if node.powered else 'power off'}",
         f"  faults: {', '.join(faults) or 'none'}",
         *(f"  {name}: {value}" for name, value in node.device.report.items()),
     ]
     return "\n".join(lines)
-
-
-def _call(node: Node, name: str) -> str:
-    """A fault with the parameters that somebody has chosen."""
-    told = node.faults.known[name].parameters
-    values = node.faults.active[name].items()
-    chosen = [f"{key}={value}" for key, value in values if value != told[key].default]
-    return f"{name}({', '.join(chosen)})"

@@ -75,7 +75,7 @@ class Served(AbstractContextManager["Served"]):
         """Switch the supply on."""
         self._order(self._node.power_on)
 
-    def story(self) -> str:
+    def report(self) -> str:
         """The last frames in words, how the device is, and why it answered as it did."""
         return scene(list(self._records), [self._node])
 

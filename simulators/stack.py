@@ -1,6 +1,6 @@
 """The services of one slave, from one boot to the next: who hears what, who has news."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from simulators.device import Device
 from simulators.services import Handler, Heard, Service, State
@@ -36,17 +36,7 @@ class Stack:
         self._listeners = listeners
         self._nmt = Nmt(slave)
         self._heartbeat = HeartbeatProducer(slave)
-        self._services: list[Service] = [
-            self._nmt,
-            self._heartbeat,
-            HeartbeatConsumer(slave, device.on_heartbeat),
-            SdoServer(slave),
-            Sync(slave),
-            *device.pdos(slave),
-            EmcyProducer(slave, log, lambda: device.emergencies, device.farewell),
-            Store(slave, device.memory, device.stored, device),
-            *device.services(slave),
-        ]
+        self._services = [self._nmt, self._heartbeat, *_services(slave, device, log)]
         slave.on_communication_change = self._on_communication_change
         slave.bind(device.objects)
         for service in self._services:
@@ -109,3 +99,14 @@ class Stack:
                 self.routes.setdefault(key, []).append(handle)
             if service.eventful:
                 self.publishers.append(service.publish)
+
+
+def _services(slave: Slave, device: Device, log: EmcyLog) -> Iterator[Service]:
+    """Those that nobody but the bus asks for anything, in the order in which they speak."""
+    yield HeartbeatConsumer(slave, device.on_heartbeat)
+    yield SdoServer(slave)
+    yield Sync(slave)
+    yield from device.pdos(slave)
+    yield EmcyProducer(slave, log, lambda: device.emergencies, device.farewell)
+    yield Store(slave, device.memory, device.stored, device)
+    yield from device.services(slave)

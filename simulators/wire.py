@@ -60,7 +60,11 @@ def pattern(text: str) -> re.Pattern[str]:
         UserError: the text is no frame with an x for some of its digits.
     """
     plain = text.strip().replace(".", "").upper()
-    Frame.parse(plain.removesuffix(ANY_REST).replace(ANY_DIGIT, "0"))
+    zeros = plain.removesuffix(ANY_REST).replace(ANY_DIGIT, "0")
+    try:
+        Frame.parse(zeros)
+    except UserError as refusal:  # tell it of what was written
+        raise UserError(str(refusal).replace(repr(zeros), repr(text))) from None
     return re.compile(plain.replace(ANY_DIGIT, "[0-9A-F]").replace(ANY_REST, ".*"))
 
 

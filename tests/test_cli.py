@@ -1,4 +1,5 @@
 import json
+import re
 import signal
 import subprocess
 import sys
@@ -8,6 +9,7 @@ import pytest
 from simulators import Bench, devices
 from simulators.cli import main
 from simulators.commands.lock import held
+from simulators.commands.scenarios import load
 from simulators.resources import od_file, scenarios
 
 RUN = [sys.executable, "-m", "simulators", "run", "topcon", "-n", "5", "-i", "virtual", "-c", "cli"]
@@ -32,6 +34,22 @@ def test_every_device_and_every_scenario_is_listed(said):
     assert code == 0
     for name in [*devices.names(), *scenarios()]:
         assert name in out
+
+
+def test_a_scenario_is_listed_with_its_name_among_those_of_its_device(said):
+    _, out, _ = said("list")
+    groups = [group.splitlines() for group in out.split("\n\n")[1:]]
+    assert [{line.partition("_")[0] for line in group} for group in groups] == [
+        {device} for device in devices.names()
+    ]
+    told = dict(re.split(r"  +", line) for group in groups for line in group)
+    assert told == {name: load(name).name for name in scenarios()}
+
+
+def test_the_scenarios_of_one_device_are_listed_alone(said):
+    code, out, _ = said("list", "charger")
+    files = [line.split()[0] for line in out.splitlines()]
+    assert (code, files) == (0, [name for name in scenarios() if name.startswith("charger_")])
 
 
 @pytest.mark.parametrize("device", devices.names())
@@ -65,9 +83,22 @@ def test_the_faults_of_every_device_are_told_level_by_level(said):
     places = [told.index(heading) for heading in headings]
     assert places == sorted(places)
     assert "    The master sees: A time-out; what was written is written.\n" in told
-    assert "    code: abort code (default: 0x8000000)\n" in told
+    assert "    code: abort code (default: 0x08000000)\n" in told
+    assert "    cob_id: the identifier it has (default: 0x57F)\n" in told
     assert "    nth, times, probability, burst, seed: which one is struck\n" in told
     assert told.count("the first one that is struck, counted from 1 (default: 1)") == 1
+
+
+def test_numbers_that_a_manual_prints_in_decimal_are_told_in_decimal(said):
+    _, told, _ = said("faults", "gateway")
+    assert "    number: 3001..3094 (default: 3094)\n" in told
+    assert "    rpm: how fast; above 1725 rpm it is stopped (default: 1750)\n" in told
+    assert "    identifier: of TPDO5 (default: 0x100)\n" in told
+
+
+def test_a_text_that_is_empty_is_not_told_as_a_default(said):
+    _, told, _ = said("faults", "charger")
+    assert "    key: its key in the catalogue\n" in told
 
 
 def test_faults_are_told_to_programs(said):
@@ -92,8 +123,13 @@ WRONG = [
     (["run", "topcon", "--set", "laod=open"], "unknown setting 'laod': did you mean 'load'?"),
     (["run", "topcon", "--set", "load"], "--set load: write it as KEY=VALUE"),
     (["run", "topcon", "--set", "serial=x"], "setting 'serial' wants a whole number, not 'x'"),
-    (["play", "nothing.yaml"], "unknown scenario 'nothing.yaml'"),
+    (["list", "topkon"], "unknown device 'topkon': did you mean 'topcon'?"),
+    (["play", "nothing.yaml"], "unknown file or shipped scenario 'nothing.yaml'"),
     (["run", "-i", "virtual"], "nothing to run: say which device, or --scenario with a file"),
+    (["run", "--hub", "topcon"], "a file that does; topcon was taken for the hub"),
+    (["run", "topcon_overvoltage.yaml"], "is a scenario: run --scenario topcon_overvoltage.yaml"),
+    (["run", "nowhere.yaml"], "nowhere.yaml: No such file or directory"),
+    (["run", "topcon"], "(say --interface and --channel, or --hub)"),
     (["run", "topcon", "--nvram", "/nowhere/memory"], "/nowhere/memory cannot be kept there"),
     (
         ["run", "topcon", "-i", "slcan", "-c", "/nowhere", "--real-bus"],

@@ -103,12 +103,15 @@ def test_run_without_a_scenario_has_no_verdict(said, option):
 def test_a_report_that_has_no_place_is_refused_before_anything_is_played(said, story):
     code, out, err = said("play", story("good"), "--junit", "/nowhere/report.xml")
     assert (code, out) == (2, "")
-    assert err == "canopen-twin: /nowhere/report.xml: there is no such directory\n"
+    assert err == "canopen-twin: /nowhere/report.xml: there is no directory /nowhere\n"
 
 
-def test_a_report_that_cannot_be_written_leaves_what_was_there(said, story, tmp_path):
-    place = tmp_path / "report.xml"
-    place.mkdir()
-    code, _, err = said("play", story("good"), "--junit", str(place))
-    assert (code, err) == (2, f"canopen-twin: {place}: Is a directory\n")
-    assert [path for path in tmp_path.iterdir() if path.suffix == ".tmp"] == []
+def test_a_report_that_is_a_directory_is_refused_before_anything_is_played(said, story, tmp_path):
+    told = f"canopen-twin: {tmp_path} is a directory\n"
+    assert said("play", story("good"), "--junit", str(tmp_path)) == (2, "", told)
+
+
+def test_a_report_that_cannot_be_written_is_told(said, story):
+    code, _, err = said("play", story("good"), "--junit", "/proc/report.xml")
+    assert code == 2
+    assert err.startswith("canopen-twin: /proc/report.xml cannot be written: ")

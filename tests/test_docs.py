@@ -6,7 +6,7 @@ from typing import Literal, get_args, get_origin, get_type_hints
 
 import pytest
 
-import simulators.replay.reading.story  # noqa: F401 - pytester forgets what comes while it works
+import simulators.replay.reading.scenario  # noqa: F401 - pytester forgets what comes while it works
 from simulators import devices
 from simulators.cli import main
 from simulators.settings import about
@@ -57,6 +57,16 @@ def page_of(device):
 def test_what_a_page_shows_works(page, pytester):
     pytester.syspathinsert()  # as for whoever types it in this directory
     Reader(page, pytester).read()
+
+
+def test_the_tutorial_shows_what_a_deaf_master_is_told(pytester):
+    blocks = BLOCK.findall((DOCS / "tutorial.md").read_text("utf-8"))
+    for _, file, code in blocks:
+        if file in ("trip.yaml", "test_deaf.py"):
+            Path(file).write_text(code, "utf-8")
+    said = pytester.runpytest_inprocess("-p", "no:cacheprovider", "test_deaf.py").outlines
+    (shown,) = [code for language, _, code in blocks if language == "text"]
+    assert [line for line in said if line.startswith("  FAIL")] == shown.splitlines()
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,8 @@ from pathlib import Path
 import pytest
 
 from simulators.replay import load, play
+from simulators.replay.expect import Expectation
+from simulators.replay.signs import EmcyLike
 
 SCENARIOS = sorted(Path(__file__).parents[1].glob("scenarios/*.yaml"))
 
@@ -25,6 +27,16 @@ def test_it_says_what_it_is_about_and_expects_something(scenario):
     assert scenario.name != scenario.file.stem
     assert scenario.note
     assert play(scenario).outcomes
+
+
+def test_an_emergency_is_expected_with_all_that_it_says(scenario):
+    wanted = [
+        (step.line, step.action.sign)
+        for step in (*scenario.steps, *scenario.cleanup)
+        if isinstance(step.action, Expectation) and not step.action.never
+    ]
+    signs = [(line, sign) for line, sign in wanted if isinstance(sign, EmcyLike)]
+    assert [line for line, sign in signs if None in (sign.code, sign.register, sign.detail)] == []
 
 
 def test_its_name_begins_with_that_of_a_device(scenario):

@@ -1,10 +1,12 @@
 import re
+import shlex
 from pathlib import Path
 
 import pytest
 
 from simulators import devices
 from simulators.cli import main
+from simulators.resources import scenarios
 
 README = Path(__file__).parent.parent / "README.md"
 
@@ -24,6 +26,34 @@ def test_the_trace_it_shows_is_what_comes_out(capsys):
 def test_the_test_it_shows_passes(pytester):
     pytester.makepyfile(blocks("python")[0])
     pytester.runpytest_inprocess("-p", "no:cacheprovider").assert_outcomes(passed=1)
+
+
+def test_a_master_that_ignores_the_emcy_is_told_what_it_shows(pytester):
+    pytester.makefile(".yaml", trip=blocks("yaml")[0])
+    pytester.makepyfile("""
+        def test_it(canopen_scenario):
+            bench = canopen_scenario("trip.yaml")
+            for _ in range(2):
+                bench.sdo["Run command"].raw = 1
+                bench.run(0.1)
+    """)
+    run = pytester.runpytest_inprocess("-p", "no:cacheprovider")
+    run.assert_outcomes(failed=1)
+    said = iter(run.outlines)
+    for line in blocks("text")[1].splitlines():
+        assert any(line.strip(" .") in shown for shown in said), line
+
+
+def test_the_commands_it_shows_do_what_it_says(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for line in blocks("console")[0].splitlines():
+        assert main(shlex.split(line.removeprefix("$ canopen-twin "))) == 0
+    told = re.search(r"\*(refused [^*]+)\*", README.read_text("utf-8"))[1]
+    assert f"7 in operational: {told}\n" in capsys.readouterr().out
+
+
+def test_it_counts_the_scenarios():
+    assert f"There are {len(scenarios())} such stories" in README.read_text("utf-8")
 
 
 @pytest.mark.parametrize("device", devices.names())

@@ -90,6 +90,14 @@ def test_its_story_is_played(python):
     assert "fan_blocked.twin.yaml: PASS" in played.stdout
 
 
+def test_a_picture_of_its_run_has_its_curves_and_its_states(python, packages):
+    picture = packages / "fan.svg"
+    played = python("simulators", "play", "fan_blocked.twin.yaml", "--plot", picture)
+    assert played.returncode == 0, played.stderr
+    drawn = picture.read_text("utf-8")
+    assert all(word in drawn for word in ("Speed", "rpm", "free", "stuck"))
+
+
 def test_its_record_has_the_version_of_its_package_and_can_be_replayed(python, packages):
     install(packages, project("broken", {"a_pump": "no_such_package:Pump"}))
     folder = packages / "record"

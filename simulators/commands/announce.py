@@ -24,7 +24,9 @@ class Announcer:
         self._junit: Path | None = options.junit
         self._verdicts: list[Verdict] = []
         if self._junit is not None and not self._junit.parent.is_dir():
-            raise UserError(f"{self._junit}: there is no such directory")
+            raise UserError(f"{self._junit}: there is no directory {self._junit.parent}")
+        if self._junit is not None and self._junit.is_dir():
+            raise UserError(f"{self._junit} is a directory")
 
     @property
     def wanted(self) -> bool:
@@ -52,6 +54,6 @@ class Announcer:
             try:
                 write_whole(self._junit, junit(self._verdicts))
             except OSError as failure:
-                raise UserError(f"{self._junit}: {failure.strerror}") from failure
+                raise UserError(f"{self._junit} cannot be written: {failure.strerror}") from failure
         if self._json:
             print(document(self._verdicts), flush=True)

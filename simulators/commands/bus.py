@@ -84,7 +84,7 @@ def _open(options: argparse.Namespace) -> can.BusABC:
     try:
         return create_bus_from_namespace(options)
     except argparse.ArgumentError as failure:
-        hint = "" if "interface" in options else " (which one is said with --interface)"
+        hint = "" if "interface" in options else " (say --interface and --channel, or --hub)"
         raise can.CanInitializationError(f"{failure.__cause__}{hint}") from failure
 
 

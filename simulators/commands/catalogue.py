@@ -1,6 +1,7 @@
 """What there is: devices, their objects, settings and EDS files."""
 
 import argparse
+import re
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import fields
@@ -23,17 +24,20 @@ TYPES = {
 }
 
 
+NAME = re.compile(r"^name: (.+)$", re.MULTILINE)
+
+
 def list_all(options: argparse.Namespace) -> int:
-    """The devices and the scenarios; a device that is broken is told, and hides no other."""
-    rows = []
-    for name in devices.names():
-        try:
-            rows.append((name, devices.find(name).title))
-        except UserError as refusal:
-            print(refusal, file=sys.stderr)
-    _table(rows)
-    print()
-    _table((name,) for name in scenarios())
+    """The devices, then their scenarios with their names, or those of one device alone."""
+    if options.device:
+        devices.find(options.device)
+        _table(_stories(options.device))
+        return 0
+    _table(_devices())
+    for device in devices.names():
+        if stories := list(_stories(device)):
+            print()
+            _table(stories)
     return 0
 
 
@@ -66,6 +70,23 @@ def eds(options: argparse.Namespace) -> int:
     with od_file(devices.find(options.device).eds) as path:
         print(path.read_text("ascii"), end="")
     return 0
+
+
+def _devices() -> Iterator[tuple[str, str]]:
+    """One that is broken is told, and hides no other."""
+    for name in devices.names():
+        try:
+            yield name, devices.find(name).title
+        except UserError as refusal:
+            print(refusal, file=sys.stderr)
+
+
+def _stories(device: str) -> Iterator[tuple[str, str]]:
+    """The scenarios that are shipped for a device; each has its name in a line of its own."""
+    for file, content in scenarios().items():
+        if file.startswith(f"{device}_"):
+            found = NAME.search(content.read_text("utf-8"))
+            yield file, found[1] if found else ""
 
 
 def _entries(device: Device) -> Iterator[tuple[str, ...]]:

@@ -2,13 +2,12 @@
 
 import argparse
 
+from simulators.exit_codes import FAILED, OK
 from simulators.record import Side, differences
-
-OK, DIFFERENT = 0, 1
 
 
 def diff(options: argparse.Namespace) -> int:
     """Whether they are the same, or the first difference in words."""
     same, told = differences(Side.of("A", options.a), Side.of("B", options.b))
     print(told)
-    return OK if same else DIFFERENT
+    return OK if same else FAILED

@@ -11,7 +11,8 @@ from simulators.faults import Fault, Parameter
 from simulators.mischief import AIM
 from simulators.segment import Segment
 
-LARGEST_COUNT = 999
+OF_THE_PROTOCOL = ("code", "cob_id", "identifier", "value")
+LONGEST_WORD = 0xFFFF
 HEADINGS = {"device": "Of this device:"}
 
 
@@ -44,13 +45,15 @@ def _tell(name: str, fault: Fault) -> None:
 
 def _tell_parameters(parameters: Mapping[str, Parameter]) -> None:
     for parameter, told in parameters.items():
-        default = "" if told.default is None else f" (default: {_word(told.default)})"
+        default = "" if told.default in (None, "") else f" (default: {_word(parameter, told)})"
         print(f"    {parameter}: {told.text}{default}")
 
 
-def _word(value: float | str) -> str:
-    """Numbers of the protocol, which are the large ones, as it writes them."""
-    return f"0x{value:X}" if isinstance(value, int) and value > LARGEST_COUNT else str(value)
+def _word(parameter: str, told: Parameter) -> str:
+    """A default, those of the protocol as it writes them."""
+    if parameter not in OF_THE_PROTOCOL or not isinstance(told.default, int):
+        return str(told.default)
+    return f"0x{told.default:08X}" if told.default > LONGEST_WORD else f"0x{told.default:X}"
 
 
 def _entry(fault: Fault) -> Mapping[str, object]:

@@ -5,13 +5,11 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
-from errno import EDQUOT, EFBIG, ENOSPC
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from simulators import replay
 from simulators.device import Device
-from simulators.errors import UserError
 from simulators.resources import scenario_file, scenarios
 
 if TYPE_CHECKING:
@@ -23,7 +21,7 @@ def kept(
     options: argparse.Namespace,
     kind: Literal["play", "run"],
     scenario: replay.Scenario | None,
-    cast: Mapping[str, Device],
+    participants: Mapping[str, Device],
 ) -> Iterator[list[Observer]]:
     """Who has to be told of a run; when this is over their files are complete.
 
@@ -36,25 +34,14 @@ def kept(
         return
     from simulators.record import about, record, trace_file  # noqa: PLC0415 - for others too slow
 
-    with _told(), ExitStack() as stack:
+    with ExitStack() as stack:
         if options.trace is not None:
             observers.append(stack.enter_context(trace_file(options.trace)))
         if options.record is not None:
             text = None if scenario is None else _content(scenario.file)
-            told = about(kind, scenario, cast)
+            told = about(kind, scenario, participants)
             observers.append(stack.enter_context(record(options.record, told, text)))
         yield observers
-
-
-@contextmanager
-def _told() -> Iterator[None]:
-    """A disk that is full is no bug."""
-    try:
-        yield
-    except OSError as failure:
-        if failure.errno not in (ENOSPC, EDQUOT, EFBIG):
-            raise
-        raise UserError(f"what is kept cannot be written: {failure.strerror}") from failure
 
 
 def _content(file: Path) -> bytes:

@@ -8,9 +8,9 @@ from simulators.commands.kept import kept
 from simulators.commands.progress import progress
 from simulators.commands.scenarios import load
 from simulators.errors import UserError
+from simulators.exit_codes import FAILED, OK
 from simulators.plot import Plot
 
-FAILED = 1
 OF_ONE_RUN = ("trace", "record", "plot")
 
 
@@ -28,7 +28,7 @@ def play(options: argparse.Namespace) -> int:
     scenarios = [load(name) for name in options.scenarios]
     verdicts = [_play(scenario, options, announcer, plot) for scenario in scenarios]
     announcer.end()
-    return 0 if all(verdict.ok for verdict in verdicts) else FAILED
+    return OK if all(verdict.ok for verdict in verdicts) else FAILED
 
 
 def _play(
@@ -37,11 +37,11 @@ def _play(
     announcer: Announcer,
     plot: Plot | None,
 ) -> replay.Verdict:
-    cast = {name: spec.create() for name, spec in scenario.nodes.items()}
-    with kept(options, "play", scenario, cast) as observers, progress() as line:
+    participants = {name: spec.create() for name, spec in scenario.nodes.items()}
+    with kept(options, "play", scenario, participants) as observers, progress() as line:
         everybody = [*observers, line.attach, *([plot.begin] if plot else [])]
         verdict = replay.play(scenario, announcer.trace, everybody, line.tell)
     announcer.tell(verdict)
     if plot is not None:
-        plot.save(scenario, verdict)
+        plot.save()
     return verdict

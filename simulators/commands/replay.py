@@ -7,15 +7,16 @@ from filecmp import cmp
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from simulators.record import Recorded, Side, again, differences, print_frames, record
+from simulators.exit_codes import FAILED, OK
+from simulators.plot import Plot
+from simulators.record import Recorded, Side, differences, print_frames, record, reproduce
 
 log = logging.getLogger(__name__)
-
-OK, DIFFERENT = 0, 1
 
 
 def replay(options: argparse.Namespace) -> int:
     """The frames to stdout, and in a line to stderr whether they are those of the record."""
+    plot = Plot(options.plot) if options.plot else None
     recorded = Recorded(options.record)
     if others := recorded.other_versions:
         log.warning("%s was made with %s", options.record, others)
@@ -23,9 +24,12 @@ def replay(options: argparse.Namespace) -> int:
         anew = Path(folder) / "replay"
         scenario = recorded.scenario.read_bytes() if recorded.about.scenario else None
         with record(anew, recorded.about, scenario) as observer:
-            again(recorded, [observer, print_frames(sys.stdout)])
+            watched = [plot.begin] if plot else []
+            reproduce(recorded, [observer, print_frames(sys.stdout), *watched])
         same, told = differences(Side.of("record", options.record), Side.of("replay", anew))
         if same and not cmp(recorded.trace, Recorded(anew).trace, shallow=False):
             same, told = False, f"{told}, but {recorded.trace} has been written otherwise"
     print(told, file=sys.stderr)
-    return OK if same else DIFFERENT
+    if plot is not None:
+        plot.save()
+    return OK if same else FAILED

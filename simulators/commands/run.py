@@ -4,28 +4,24 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
-from typing import TYPE_CHECKING
 
 from simulators import replay
 from simulators.commands.announce import Announcer
 from simulators.commands.bus import Place, place
-from simulators.commands.cast import cast, title
 from simulators.commands.kept import kept
 from simulators.commands.lock import held
+from simulators.commands.participants import participants, title
 from simulators.commands.scenarios import load
-from simulators.commands.signals import OK, Wishes, signals
+from simulators.commands.signals import Wishes, signals
 from simulators.errors import UserError
+from simulators.exit_codes import FAILED, OK
 from simulators.line import OpenBus
 from simulators.lookout import looking
 from simulators.segment import Segment
 from simulators.serve import serve
 
-if TYPE_CHECKING:
-    from simulators.record import Observer
-
-FAILED = 1
 LOOK, LONG_LOOK = 0.3, 1.5  # seconds; on a real bus a heartbeat of a second should be heard
 
 
@@ -40,7 +36,7 @@ def _run(options: argparse.Namespace, wishes: Wishes) -> int:
     if announcer.wanted and not options.scenario:
         raise UserError("--json and --junit tell of a verdict: say which with --scenario")
     scenario = load(options.scenario) if options.scenario else None
-    devices = cast(options, scenario)
+    devices = participants(options, scenario)
     nodes = {name: segment.node(device, name) for name, device in devices.items()}
     player = replay.Player(scenario, segment, nodes) if scenario else None
     bus = place(options)
@@ -48,7 +44,7 @@ def _run(options: argparse.Namespace, wishes: Wishes) -> int:
     ready = {"ready": name, **_who(name, segment), **bus.told}
     with _off_in_the_end(segment):
         with kept(options, "run", scenario, devices) as observers:
-            _begin(segment, player, observers)
+            replay.begin(segment, player, observers)
             serve(
                 segment,
                 _opening(bus, segment),
@@ -56,15 +52,6 @@ def _run(options: argparse.Namespace, wishes: Wishes) -> int:
                 lambda: print(json.dumps(ready), flush=True),
             )
         return wishes.code if player is None else _told(player, announcer, wishes)
-
-
-def _begin(segment: Segment, player: replay.Player | None, observers: Iterable[Observer]) -> None:
-    for attach in observers:
-        attach(segment, player)
-    if player is not None:
-        player.start()
-    for node in segment.nodes:
-        node.power_on()
 
 
 @contextmanager

@@ -7,9 +7,8 @@ from pathlib import Path
 
 from simulators import replay
 from simulators.errors import UserError, unknown
+from simulators.exit_codes import OK, WRONG_INPUT
 from simulators.resources import scenario_file, scenarios
-
-WRONG_INPUT = 2
 
 
 def check(options: argparse.Namespace) -> int:
@@ -23,7 +22,7 @@ def check(options: argparse.Namespace) -> int:
             wrong = True
         else:
             print(f"{name}: ok")
-    return WRONG_INPUT if wrong else 0
+    return WRONG_INPUT if wrong else OK
 
 
 def load(name: str) -> replay.Scenario:
@@ -36,5 +35,5 @@ def load(name: str) -> replay.Scenario:
         with scenario_file(name) as path:
             return replace(replay.load(path), file=Path(name))
     if not Path(name).exists() and Path(name).name == name:
-        raise unknown("scenario", name, scenarios())
+        raise unknown("file or shipped scenario", name, scenarios())
     return replay.load(Path(name))

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 from simulators.documents.schema import json_schema
 from simulators.documents.table import Table
-from simulators.replay.file.story import Bench, Story
+from simulators.replay.file.scenario import BenchFile, ScenarioFile
 
-FILES: Mapping[str, type[Table]] = {"scenario": Story, "bench": Bench}
+FILES: Mapping[str, type[Table]] = {"scenario": ScenarioFile, "bench": BenchFile}
 
 
 def schema(options: argparse.Namespace) -> int:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-OK, INTERRUPTED = 0, 130
+from simulators.exit_codes import INTERRUPTED, OK
 
 
 class Wishes(list[int]):

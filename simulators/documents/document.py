@@ -1,11 +1,11 @@
 """A file as values that know their place in it, and say what is wrong with them."""
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cached_property
 from math import isfinite
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import yaml
 
@@ -14,6 +14,8 @@ from simulators.documents.yaml_nodes import Scalar, compose, read_text, scalar
 from simulators.errors import UserError, unknown
 
 LONGEST_TIME = 86_400  # seconds: a day
+
+Meaning = TypeVar("Meaning")
 
 
 class Pair(NamedTuple):
@@ -85,6 +87,13 @@ class Item:
         return value
 
     @property
+    def truth(self) -> bool:
+        """One truth value."""
+        if not isinstance(value := self.value, bool):
+            raise self.wrong(f"{self.text!r} is neither true nor false")
+        return value
+
+    @property
     def seconds(self) -> float:
         """A time."""
         if not 0 <= self.number <= LONGEST_TIME:
@@ -119,6 +128,15 @@ class Item:
                     raise pair.key.wrong(f"{again}; leave one of them out")
         return pairs
 
+    @property
+    def content(self) -> Any:
+        """All that there is below it, without places."""
+        if self.is_mapping:
+            return {pair.key.value: pair.value.content for pair in self.pairs.values()}
+        if isinstance(self.node, yaml.SequenceNode):
+            return [item.content for item in self.items]
+        return self.value
+
     def one_of(self, what: str, known: Collection[str]) -> str:
         """One word out of several."""
         with self.blamed():
@@ -146,3 +164,16 @@ def read(path: Path, problems: Problems) -> Item:
         problems.add(mistake.mark, str(mistake))
         problems.settle()
         raise
+
+
+def understand(path: Path, mean: Callable[[Item], Meaning]) -> Meaning:
+    """What a file means; `mean` may note what is wrong as problems, and go on.
+
+    Raises:
+        DocumentError: with a line for everything that is wrong, each with its place.
+    """
+    problems = Problems(str(path))
+    with problems.at(item := read(path, problems)):
+        meaning = mean(item)
+    problems.settle()
+    return meaning

@@ -26,9 +26,9 @@ from pydantic.functional_validators import ModelWrapValidatorHandler
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
-from simulators.documents.document import Item, read
+from simulators.documents.document import Item, Meaning, understand
 from simulators.documents.failures import note
-from simulators.documents.problems import Noted, Problems
+from simulators.documents.problems import Noted
 from simulators.documents.rules import Rule
 
 
@@ -94,25 +94,21 @@ class Table(BaseModel):
 
 Anything = TypeVar("Anything")
 AnyTable = TypeVar("AnyTable", bound=Table)
-Meaning = TypeVar("Meaning")
 
 
-def understand(path: Path, kind: type[AnyTable], mean: Callable[[AnyTable], Meaning]) -> Meaning:
-    """What a file means; `mean` notes what is wrong as problems, and goes on.
+def understand_table(
+    path: Path, kind: type[AnyTable], mean: Callable[[AnyTable], Meaning]
+) -> Meaning:
+    """What a file means that is such a table; raises as `understand` does."""
 
-    Raises:
-        DocumentError: with a line for everything that is wrong.
-    """
-    problems = Problems(str(path))
-    item = read(path, problems)
-    try:
-        meaning = mean(kind.model_validate(item))
-    except ValidationError as failure:
-        note(item, failure)
-        problems.settle()
-        raise
-    problems.settle()
-    return meaning
+    def meaning(item: Item) -> Meaning:
+        try:
+            return mean(kind.model_validate(item))
+        except ValidationError as failure:
+            note(item, failure)
+            raise Noted from None
+
+    return understand(path, meaning)
 
 
 def _if_right(item: Item, handler: ValidatorFunctionWrapHandler) -> Any:

@@ -12,8 +12,6 @@ from simulators.plot.observer import Observer
 from simulators.plot.page import page
 from simulators.plot.run import Run
 from simulators.replay.player import Player
-from simulators.replay.scenario import Scenario
-from simulators.replay.verdict import Verdict
 from simulators.segment import Segment
 
 __all__ = ["Plot"]
@@ -26,7 +24,8 @@ class Plot:
 
     def __init__(self, path: Path) -> None:
         """Raises `UserError` if there can be no picture, before anything has run."""
-        if path.suffix not in SUFFIXES:
+        self._suffix = path.suffix.lower()
+        if self._suffix not in SUFFIXES:
             raise UserError(f"{path} is no picture: its name ends with {', '.join(SUFFIXES)}")
         if not path.parent.is_dir():
             raise UserError(f"{path}: there is no directory {path.parent}")
@@ -34,27 +33,27 @@ class Plot:
         self._draw = _drawing()
         self._observers: list[Observer] = []
 
-    def begin(self, segment: Segment, player: Player) -> None:
-        """Look at the nodes of a segment from now on; an observer of `play`."""
+    def begin(self, segment: Segment, player: Player | None) -> None:
+        """Look at the nodes of a segment from now on; an observer of `play` and of `again`."""
         self._observers.append(Observer(segment, player))
 
-    def save(self, scenario: Scenario, verdict: Verdict) -> None:
+    def save(self) -> None:
         """Write the file.
 
         Raises:
             UserError: it cannot be written.
         """
         try:
-            self._path.write_bytes(self._content(scenario, verdict))
+            self._path.write_bytes(self._content())
         except OSError as failure:
             raise UserError(f"{self._path} cannot be written: {failure.strerror}") from failure
 
-    def _content(self, scenario: Scenario, verdict: Verdict) -> bytes:
+    def _content(self) -> bytes:
         (observer,) = self._observers
-        run = Run(scenario.name, verdict, observer.views, observer.duration)
-        if self._path.suffix == ".html":
+        run = observer.run
+        if self._suffix == ".html":
             return page(run, self._draw(run, "svg").decode()).encode()
-        return self._draw(run, self._path.suffix[1:])
+        return self._draw(run, self._suffix[1:])
 
 
 def _drawing() -> Callable[[Run, str], bytes]:

@@ -67,9 +67,8 @@ def drawn(run: Run) -> Figure:
     """Everything in its place."""
     placed = list(_placed(run))
     figure = Figure(figsize=(look.WIDTH, placed[-1].bottom + look.BOTTOM))
-    _write(figure, look.HEADING, shorten(_printable(run.name), LONGEST), look.LARGE)
-    verdict = _printable(str(run.verdict).splitlines()[0])
-    _write(figure, 0.6, verdict, look.MEDIUM, look.PASSED if run.verdict.ok else look.FAILED)
+    _write(figure, look.HEADING, shorten(_printable(run.heading), LONGEST), look.LARGE)
+    _write_verdict(figure, run)
     for each in placed:
         axes = _axes(figure, each)
         axes.set_xlim(0, run.duration)
@@ -89,7 +88,7 @@ def _placed(run: Run) -> Iterator[Placed]:
 
 
 def _panels(run: Run) -> Iterator[Panel]:
-    if run.verdict.outcomes:
+    if run.outcomes:
         yield Expectations(run)
     for view in run.views:
         yield Heading(view)
@@ -136,6 +135,16 @@ def _write(figure: Figure, bottom: float, text: str, size: float, colour: str = 
     """A line of text, so many inches from the top."""
     y = 1 - bottom / figure.get_figheight()
     figure.text(look.MARGIN / look.WIDTH, y, text, size=size, color=colour, va="bottom")
+
+
+def _write_verdict(figure: Figure, run: Run) -> None:
+    """Its first line, in its colour."""
+    if run.verdict is None:
+        _write(figure, look.VERDICT, "no scenario", look.MEDIUM)
+        return
+    told = _printable(str(run.verdict).splitlines()[0])
+    colour = look.PASSED if run.verdict.ok else look.FAILED
+    _write(figure, look.VERDICT, told, look.MEDIUM, colour)
 
 
 def _printable(text: str) -> str:

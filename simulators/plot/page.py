@@ -6,6 +6,7 @@ from html import escape
 
 from simulators.plot.run import Run, Span
 from simulators.plot.view import MOST_MARKS
+from simulators.replay.verdict import Verdict
 
 HEAD = """\
 <!DOCTYPE html>
@@ -34,20 +35,21 @@ Row = Sequence[str]
 
 def page(run: Run, svg: str) -> str:
     """One file that needs no other and no network."""
-    head = HEAD.format(title=escape(run.name))
+    head = HEAD.format(title=escape(run.heading))
     picture = re.sub(r"^.*?(?=<svg)", "", svg, count=1, flags=re.DOTALL)  # no prologue within HTML
     parts = [f"<figure>\n{picture}</figure>\n", *_sections(run), "</body>\n</html>\n"]
     return head + "".join(parts)
 
 
 def _sections(run: Run) -> Iterator[str]:
-    yield f"<h2>Verdict</h2>\n<pre>{escape(_verdict(run))}</pre>\n"
+    if run.verdict is not None:
+        yield f"<h2>Verdict</h2>\n<pre>{escape(_told(run.verdict))}</pre>\n"
     yield from _emergencies(run)
     yield from _faults(run)
 
 
-def _verdict(run: Run) -> str:
-    lines = str(run.verdict).splitlines()
+def _told(verdict: Verdict) -> str:
+    lines = str(verdict).splitlines()
     more = [f"... and {len(lines) - MOST_LINES} lines more"] if len(lines) > MOST_LINES else []
     return "\n".join([*lines[:MOST_LINES], *more])
 

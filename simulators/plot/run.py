@@ -32,25 +32,36 @@ class Run:
     """What was seen, and what it was judged to be."""
 
     name: str
-    verdict: Verdict
+    verdict: Verdict | None
+    """None: there was no scenario."""
     views: Sequence[View]
     duration: float
     """Seconds."""
 
     @property
+    def heading(self) -> str:
+        """What was played, or else who took part."""
+        return self.name or "; ".join(view.title for view in self.views)
+
+    @property
+    def outcomes(self) -> Sequence[Outcome]:
+        """Of the verdict."""
+        return () if self.verdict is None else self.verdict.outcomes
+
+    @property
     def passed(self) -> Sequence[Outcome]:
         """What came as expected."""
-        return [each for each in self.verdict.outcomes if each.kind is Kind.PASS]
+        return [each for each in self.outcomes if each.kind is Kind.PASS]
 
     @property
     def skipped(self) -> Sequence[Outcome]:
         """What was left out."""
-        return [each for each in self.verdict.outcomes if each.kind is Kind.SKIP]
+        return [each for each in self.outcomes if each.kind is Kind.SKIP]
 
     @property
     def failed(self) -> Sequence[Outcome]:
         """What did not, or could not be carried out; the first of them if they are a crowd."""
-        bad = (each for each in self.verdict.outcomes if each.kind in (Kind.FAIL, Kind.ERROR))
+        bad = (each for each in self.outcomes if each.kind in (Kind.FAIL, Kind.ERROR))
         return sorted(bad, key=lambda each: each.time)[:MOST_MARKS]
 
     def lasting(self, points: Points[V]) -> Iterator[tuple[Span, V]]:

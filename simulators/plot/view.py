@@ -8,7 +8,7 @@ from simulators.decode import Decoder
 from simulators.node import Node
 from simulators.plot.track import Track, extremes, worst
 from simulators.services import State
-from simulators.services.emcy import emcy_id
+from simulators.services.emcy import EMCY_LENGTH, emcy_id, emcy_of
 from simulators.wire import Frame
 
 POWER_OFF = Band("power off", Mood.OFF)
@@ -18,7 +18,6 @@ NMT: Mapping[State, Band] = {
     State.OPERATIONAL: Band("operational", Mood.ACTIVE),
     State.STOPPED: Band("stopped", Mood.WARNING),
 }
-LENGTH = 8  # bytes of an emergency
 MOST_MARKS = 500
 
 
@@ -94,13 +93,15 @@ class View:
     def hear(self, time: float, frame: Frame, sender: str) -> None:
         """Take an emergency down."""
         slave = self._node.slave
-        told = slave is not None and len(frame.data) == LENGTH and frame.can_id == emcy_id(slave)
+        told = (
+            slave is not None and len(frame.data) == EMCY_LENGTH and frame.can_id == emcy_id(slave)
+        )
         if sender != self.name or not told:
             return
         if len(self.emergencies) == MOST_MARKS:
             self.untold += 1
             return
-        code = int.from_bytes(frame.data[:2], "little")
+        code = emcy_of(frame.data).code
         self.emergencies.append(Emergency(time, code, self._decoder.words(frame)))
 
 

@@ -24,7 +24,7 @@ from simulators.pytest_plugin.fixtures import (
     canopen_scenario,
     canopen_simulated_time,
 )
-from simulators.pytest_plugin.stories import StoryFile, note, settle
+from simulators.pytest_plugin.scenarios import ScenarioFile, note, settle
 
 if TYPE_CHECKING:
     from simulators.bench import Bench
@@ -34,7 +34,7 @@ __all__ = ["canopen_bench", "canopen_device", "canopen_scenario", "canopen_simul
 DEVICES = Path(__file__).parents[1] / "devices"
 GROUP = "canopen_twins.devices"  # that of simulators.devices, which imports CAN
 FIXTURES = __all__
-STORIES = (".twin.yaml", ".twin.yml")
+SUFFIXES = (".twin.yaml", ".twin.yml")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -68,8 +68,8 @@ def _device_fixture(name: str) -> object:
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
     """A scenario is a test."""
-    is_story = file_path.name.endswith(STORIES)
-    return StoryFile.from_parent(parent, path=file_path) if is_story else None
+    is_scenario = file_path.name.endswith(SUFFIXES)
+    return ScenarioFile.from_parent(parent, path=file_path) if is_scenario else None
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
@@ -84,7 +84,7 @@ def pytest_collection_finish(session: pytest.Session) -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_call(item: pytest.Item) -> Generator[None, object, object]:
-    """A test is over when its stories are: what they expect counts as what it asserts."""
+    """A test is over when its scenarios are: what they expect counts as what it asserts."""
     try:
         result = yield
     except (Exception, pytest.fail.Exception):
@@ -101,8 +101,8 @@ def pytest_runtest_makereport(
     """A failing test shows what happened on its buses."""
     report = yield
     if report.failed:
-        for story in item.stash.get(SHOWN, []):
-            report.sections.append(("CANopen: last frames and devices", story()))
+        for show in item.stash.get(SHOWN, []):
+            report.sections.append(("CANopen: last frames and devices", show()))
         for told in item.stash.get(TOLD, []):
-            report.sections.append(("CANopen: the story so far", str(told.verdict)))
+            report.sections.append(("CANopen: the scenario so far", str(told.verdict)))
     return report

@@ -1,7 +1,7 @@
-"""The fixtures: benches, twins in real time, and stories that a test lives through.
+"""The fixtures: benches, twins in real time, and scenarios that a test lives through.
 
 `canopen_bench` makes benches in simulated time, `canopen_simulated_time` takes an unmodified master
-there, `canopen_scenario` brings a story along, and `canopen_device` serves twins on a python-can
+there, `canopen_scenario` brings a scenario along, and `canopen_device` serves twins on a python-can
 bus in real time.
 """
 
@@ -16,15 +16,15 @@ import pytest
 if TYPE_CHECKING:
     from simulators.bench import Bench
     from simulators.device import Device
+    from simulators.scenario_bench import ScenarioBench
     from simulators.served import Served
-    from simulators.story import Story
 
 INTERFACE, CHANNEL = "canopen_interface", "canopen_channel"
 
 SHOWN = pytest.StashKey[list[Callable[[], str]]]()
 """What a failing test has to show: functions that tell it, so that passing tests pay nothing."""
-TOLD = pytest.StashKey[list["Story"]]()
-"""The stories of a test, which is over when they are."""
+TOLD = pytest.StashKey[list["ScenarioBench"]]()
+"""The scenarios of a test, which is over when they are."""
 
 
 AnyBench = TypeVar("AnyBench", bound="Bench")
@@ -52,11 +52,7 @@ class BenchFactory:
         """The same bench; a test that fails shows it."""
         from simulators.report import scene  # noqa: PLC0415
 
-        def story() -> str:
-            nodes = bench.segment.nodes
-            return scene(bench.trace, nodes)
-
-        self._shown.append(story)
+        self._shown.append(lambda: scene(bench.trace, bench.segment.nodes))
         return bench
 
 
@@ -69,19 +65,19 @@ def canopen_bench(request: pytest.FixtureRequest) -> BenchFactory:
 @pytest.fixture
 def canopen_scenario(
     request: pytest.FixtureRequest, canopen_bench: BenchFactory
-) -> Callable[[str], Story]:
-    """`canopen_scenario("trip.yaml")`: a bench on which this story is played meanwhile.
+) -> Callable[[str], ScenarioBench]:
+    """`canopen_scenario("trip.yaml")`: a bench on which this scenario is played meanwhile.
 
     The file lies beside the test, or is one of those that are shipped. When the test is over, the
     rest is played; it fails if the verdict is not PASS, and is skipped if it is SKIP.
     """
-    from simulators.pytest_plugin.stories import beside  # noqa: PLC0415
-    from simulators.story import Story  # noqa: PLC0415
+    from simulators.pytest_plugin.scenarios import beside  # noqa: PLC0415
+    from simulators.scenario_bench import ScenarioBench  # noqa: PLC0415
 
-    def begin(file: str) -> Story:
-        story = canopen_bench.watched(Story(beside(request.path, file)))
-        request.node.stash.setdefault(TOLD, []).append(story)
-        return story
+    def begin(file: str) -> ScenarioBench:
+        bench = canopen_bench.watched(ScenarioBench(beside(request.path, file)))
+        request.node.stash.setdefault(TOLD, []).append(bench)
+        return bench
 
     return begin
 
@@ -126,7 +122,7 @@ def canopen_device(request: pytest.FixtureRequest) -> Iterator[Callable[..., Ser
 
         def start(device: str, **settings: object) -> Served:
             served = Served(device, settings, bus)
-            shown.append(served.story)
+            shown.append(served.report)
             return running.enter_context(served)
 
         yield start

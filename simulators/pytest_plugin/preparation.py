@@ -9,7 +9,7 @@ from importlib import import_module
 MODULES = {
     "canopen_bench": ("simulators.report",),
     "canopen_device": ("simulators.served",),
-    "canopen_scenario": ("simulators.story", "simulators.replay.reading.story"),
+    "canopen_scenario": ("simulators.scenario_bench", "simulators.replay.reading.scenario"),
     "canopen_simulated_time": ("simulators.simulated_time",),
 }
 

@@ -72,14 +72,14 @@ class About(Model):
 
 
 def about(
-    kind: Literal["play", "run"], scenario: Scenario | None, cast: Mapping[str, Device]
+    kind: Literal["play", "run"], scenario: Scenario | None, participants: Mapping[str, Device]
 ) -> About:
     """What there is to say before a run begins.
 
     Raises:
         UserError: a device that cannot be had by a name.
     """
-    parts = [_part(name, device) for name, device in cast.items()]
+    parts = [_part(name, device) for name, device in participants.items()]
     return About(
         kind=kind,
         scenario=None if scenario is None else str(scenario.file),

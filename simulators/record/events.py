@@ -17,13 +17,13 @@ PHRASES = {
     END: "the run is over",
     "emcy": "{words}",
     "step": "step of line {line}: {what}",
-    "inject": "fault {fault} injected: {parameters}",
+    "inject": "fault {fault}({parameters}) injected",
     "clear": "fault {fault} cleared",
     "outcome": "{verdict} of line {line}: {what}: {seen}",
 }
 
 
-class Happening(NamedTuple):
+class EventLine(NamedTuple):
     """One line."""
 
     time: float
@@ -35,20 +35,29 @@ class Happening(NamedTuple):
 
     def __str__(self) -> str:
         try:
-            told = PHRASES[self.kind].format(**self.fields)
+            told = PHRASES[self.kind].format(**self._words)
         except KeyError:  # a record of tomorrow, or of somebody else
             told = f"{self.kind} {json.dumps(self.fields)}"
         return f"{self.time:12.6f}  {self.node or '-':10}  {told}"
 
+    @property
+    def _words(self) -> Mapping[str, object]:
+        """The fields, parameters as one would write them down."""
+        parameters = self.fields.get("parameters")
+        if not isinstance(parameters, Mapping):
+            return self.fields
+        told = ", ".join(f"{key}={value}" for key, value in parameters.items())
+        return {**self.fields, "parameters": told}
 
-def write_event(file: TextIO, happening: Happening) -> None:
+
+def write_event(file: TextIO, event: EventLine) -> None:
     """Add a line, which is the same for the same event."""
-    time, kind, node, fields = happening
+    time, kind, node, fields = event
     line = {**fields, "time": time, "kind": kind, "node": node}
     file.write(json.dumps(line, sort_keys=True, default=str) + "\n")
 
 
-def read_events(path: Path) -> Iterator[Happening]:
+def read_events(path: Path) -> Iterator[EventLine]:
     """Every line of a file.
 
     Raises:
@@ -57,18 +66,18 @@ def read_events(path: Path) -> Iterator[Happening]:
     try:
         with path.open(encoding="utf-8") as file:
             for number, line in enumerate(iter(lambda: file.readline(LONGEST_LINE), ""), 1):
-                yield _happening(f"{path}:{number}", line)
+                yield _event(f"{path}:{number}", line)
     except (OSError, UnicodeError) as failure:
         reason = getattr(failure, "strerror", None) or "no UTF-8"
         raise UserError(f"{path}: {reason}") from failure
 
 
-def _happening(where: str, line: str) -> Happening:
+def _event(where: str, line: str) -> EventLine:
     try:
         fields = json.loads(line)
         time, kind, node = fields.pop("time"), fields.pop("kind"), fields.pop("node")
         if not (isinstance(kind, str) and isinstance(node, str) and 0 <= time < FOREVER):
             raise TypeError
-        return Happening(time, kind, node, fields)
+        return EventLine(time, kind, node, fields)
     except (ValueError, TypeError, AttributeError, KeyError, RecursionError):
         raise UserError(f"{where} is damaged: it is no event") from None

@@ -18,7 +18,7 @@ PACKED = ".gz"
 LONGEST_LINE = 1 << 16  # characters
 
 
-class Sent(NamedTuple):
+class TimedFrame(NamedTuple):
     """A frame and its moment."""
 
     tick: int
@@ -45,7 +45,7 @@ READERS = {
 }
 
 
-def read_frames(path: Path) -> Iterator[Sent]:
+def read_frames(path: Path) -> Iterator[TimedFrame]:
     """What a trace file of a format of python-can holds, packed or not, without error frames.
 
     Raises:
@@ -70,7 +70,7 @@ def _opened(path: Path) -> IO[bytes]:
     return gzip.open(path) if path.suffix == PACKED else path.open("rb")  # type: ignore[return-value]
 
 
-def _sent(message: can.Message) -> Sent:
+def _sent(message: can.Message) -> TimedFrame:
     remote, extended = message.is_remote_frame, message.is_extended_id
     frame = Frame(message.arbitration_id, bytes(message.data), remote, extended)
-    return Sent(microseconds(message.timestamp), frame)
+    return TimedFrame(microseconds(message.timestamp), frame)

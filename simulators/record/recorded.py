@@ -8,7 +8,7 @@ from simulators import devices, replay
 from simulators.clock import MICROSECONDS
 from simulators.errors import UserError
 from simulators.record.about import About, digest, read_about
-from simulators.record.events import END, HEARD, Happening, read_events
+from simulators.record.events import END, HEARD, EventLine, read_events
 from simulators.record.frames import read_frames
 from simulators.record.recorder import EVENTS, RUN, SCENARIO, TRACE
 from simulators.record.versions import version_now
@@ -39,7 +39,7 @@ class Recorded:
         return self.folder / SCENARIO
 
     @property
-    def events(self) -> Iterator[Happening]:
+    def events(self) -> Iterator[EventLine]:
         """What happened beside the frames; raises `UserError` where that is damaged."""
         return read_events(self._events)
 

@@ -8,7 +8,7 @@ from typing import TextIO
 
 from simulators.decode import Decoder
 from simulators.record.about import About
-from simulators.record.events import END, HEARD, STATE, Happening, write_event
+from simulators.record.events import END, HEARD, STATE, EventLine, write_event
 from simulators.record.part import folder_part
 from simulators.record.trace import Observer, print_frames
 from simulators.replay import Player
@@ -94,4 +94,4 @@ class Journal:
         self._note(STATE, name, state=state.lower())
 
     def _note(self, kind: str, node: str = "", **fields: object) -> None:
-        write_event(self._file, Happening(self._clock.now, kind, node, fields))
+        write_event(self._file, EventLine(self._clock.now, kind, node, fields))

@@ -11,8 +11,8 @@ from pathlib import Path
 from simulators.clock import MICROSECONDS
 from simulators.decode import Decoder
 from simulators.errors import UserError
-from simulators.record.events import HEARD, Happening
-from simulators.record.frames import Sent, read_frames
+from simulators.record.events import HEARD, EventLine
+from simulators.record.frames import TimedFrame, read_frames
 from simulators.record.recorded import Recorded
 from simulators.segment import Segment
 
@@ -41,18 +41,18 @@ class Side:
         return cls(name, None, path)
 
     @property
-    def frames(self) -> Iterator[Sent]:
+    def frames(self) -> Iterator[TimedFrame]:
         """Raises `UserError` where they cannot be read."""
         return read_frames(self.trace)
 
-    def tell(self, sent: Sent) -> str:
+    def tell(self, sent: TimedFrame) -> str:
         """A frame with its time, in words as far as the devices are known."""
         words = self._decoder.words(sent.frame)
         return f"{sent.tick / MICROSECONDS:12.6f}  {sent.frame!s:21}  {words}".rstrip()
 
-    def happened(self, tick: int | None) -> tuple[Happening, ...]:
+    def happened(self, tick: int | None) -> tuple[EventLine, ...]:
         """The last events up to a moment, or to the end; what came from outside is no news."""
-        last: deque[Happening] = deque(maxlen=TOLD)
+        last: deque[EventLine] = deque(maxlen=TOLD)
         for event in self.recorded.events if self.recorded else ():
             if tick is not None and event.time * MICROSECONDS > tick:
                 break

@@ -1,11 +1,19 @@
-"""Scenario files: a story about a device, told in YAML, played on its twin, and judged.
+"""Scenarios: read from a file, played on a segment, and judged.
 
-Bench files say in the same words who else is on a bus.
+    file/       which keys there are         -> tables, and their JSON Schema
+    reading/    what the keys mean           -> a `Scenario` of `Step`s
+    play.py     a run in simulated time      -> a `Player` on a `Segment`
+    player/     steps at their moments,
+                and who watches for signs    -> a `Verdict`
+
+A step has a moment, an action (`actions`, `access`, `expect`) and a line of the file; what is
+waited for or expected is a sign (`signs`). docs/explanation/how-a-scenario-is-judged.md has the
+whole map. Bench files say in the same words who is on a bus.
 """
 
 from simulators.documents.problems import DocumentError as ScenarioError
 from simulators.replay.load import load, load_bench
-from simulators.replay.play import finish, play
+from simulators.replay.play import begin, finish, play
 from simulators.replay.player import Event, Player
 from simulators.replay.scenario import Scenario
 from simulators.replay.verdict import Kind, Outcome, Verdict
@@ -18,6 +26,7 @@ __all__ = [
     "Scenario",
     "ScenarioError",
     "Verdict",
+    "begin",
     "finish",
     "load",
     "load_bench",

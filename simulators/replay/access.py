@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 from simulators.objects import Abort
+from simulators.replay.context import Context
 from simulators.replay.scenario import Action
 from simulators.replay.sdo import ACCEPTED, Answer, download, upload
 from simulators.replay.signs import Wanted
-from simulators.replay.stage import Stage
 from simulators.replay.targets import Target
 from simulators.replay.values import value_of
 from simulators.replay.verdict import Finding, Kind
@@ -35,7 +35,7 @@ class Write(Action):
     timeout: float = PATIENCE
     """Seconds in which the answer to each request has to come."""
 
-    def carry_out(self, stage: Stage) -> None:
+    def carry_out(self, context: Context) -> None:
         """What is refused ends the rest of the step."""
         transfers = [
             download(each.target.address, each.data, each.target.variable is not None)
@@ -45,10 +45,10 @@ class Write(Action):
         def answered(number: int, answer: Answer) -> bool:
             if answer.code == self.abort == ACCEPTED:
                 return True
-            stage.report(judged(self.downloads[number].target, answer, self.abort))
+            context.report(judged(self.downloads[number].target, answer, self.abort))
             return False
 
-        stage.ask(transfers, self.timeout, answered)
+        context.ask(transfers, self.timeout, answered)
 
     def __str__(self) -> str:
         told = ", ".join(f"{each.target} = {each.told}" for each in self.downloads)
@@ -65,24 +65,24 @@ class Read(Action):
     timeout: float = PATIENCE
     """As for `Write`."""
 
-    def carry_out(self, stage: Stage) -> None:
+    def carry_out(self, context: Context) -> None:
         """What is refused or another value ends the rest of the step; else all is told."""
         told: list[str] = []
 
         def answered(number: int, answer: Answer) -> bool:
             target, wanted = self.uploads[number]
             if answer.code != ACCEPTED or self.abort != ACCEPTED:
-                stage.report(judged(target, answer, self.abort))
+                context.report(judged(target, answer, self.abort))
                 return False
             value = value_of(target, answer.data)
             told.append(f"{target} is {wanted.tell(value)}")
             fits = value in wanted
             if not fits or len(told) == len(self.uploads):
-                stage.report(Finding(Kind.PASS if fits else Kind.FAIL, ", ".join(told)))
+                context.report(Finding(Kind.PASS if fits else Kind.FAIL, ", ".join(told)))
             return fits
 
         transfers = [upload(target.address) for target, _ in self.uploads]
-        stage.ask(transfers, self.timeout, answered)
+        context.ask(transfers, self.timeout, answered)
 
     def __str__(self) -> str:
         told = ", ".join(f"{target} {wanted}" for target, wanted in self.uploads)

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from simulators.node import Node
+from simulators.replay.context import Context
 from simulators.replay.scenario import Action, Condition
-from simulators.replay.stage import Stage
 from simulators.wire import Frame
 
 
@@ -16,9 +16,9 @@ class Set(Action):
 
     settings: Mapping[str, Any]
 
-    def carry_out(self, stage: Stage) -> None:
+    def carry_out(self, context: Context) -> None:
         """All of them at once."""
-        with stage.node.acting() as device:
+        with context.node.acting() as device:
             device.set(**self.settings)
 
 
@@ -28,9 +28,9 @@ class Send(Action):
 
     frame: Frame
 
-    def carry_out(self, stage: Stage) -> None:
+    def carry_out(self, context: Context) -> None:
         """As a master."""
-        stage.send(self.frame)
+        context.send(self.frame)
 
 
 @dataclass(frozen=True)
@@ -39,9 +39,9 @@ class Nmt(Action):
 
     command: int
 
-    def carry_out(self, stage: Stage) -> None:
+    def carry_out(self, context: Context) -> None:
         """To the node id it has by now."""
-        stage.send(Frame(0x000, bytes([self.command, stage.node.node_id])))
+        context.send(Frame(0x000, bytes([self.command, context.node.node_id])))
 
 
 @dataclass(frozen=True)
@@ -50,9 +50,9 @@ class Power(Action):
 
     switch: Callable[[Node], None]
 
-    def carry_out(self, stage: Stage) -> None:
+    def carry_out(self, context: Context) -> None:
         """On or off; without effect if it is so already."""
-        self.switch(stage.node)
+        self.switch(context.node)
 
 
 @dataclass(frozen=True)
@@ -63,9 +63,9 @@ class Inject(Action):
     lasts: float | Condition | None = None
     """Seconds, or what heals it; None: until it is cleared."""
 
-    def carry_out(self, stage: Stage) -> None:
+    def carry_out(self, context: Context) -> None:
         """In the order of the file."""
-        stage.inject(self.faults, self.lasts)
+        context.inject(self.faults, self.lasts)
 
 
 @dataclass(frozen=True)
@@ -75,6 +75,6 @@ class Clear(Action):
     fault: str | None
     """None for all of them."""
 
-    def carry_out(self, stage: Stage) -> None:
+    def carry_out(self, context: Context) -> None:
         """Without effect if it is not active."""
-        stage.clear(self.fault)
+        context.clear(self.fault)

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
+from simulators.replay.context import Context
 from simulators.replay.scenario import Action, Condition
 from simulators.replay.signs import Sign
-from simulators.replay.stage import Stage
 
 
 @dataclass(frozen=True)
@@ -30,9 +30,9 @@ class Expectation(Action):
         at_once = self.within is None and self.before is None and not self.never
         return 0.0 if at_once else self.within
 
-    def carry_out(self, stage: Stage) -> None:
+    def carry_out(self, context: Context) -> None:
         """Watch from now on."""
-        stage.watch_for(self)
+        context.watch_for(self)
 
     def __str__(self) -> str:
         before = f" before {self.before}" if self.before else ""

@@ -20,7 +20,7 @@ def load(path: Path, find: Find = devices.find) -> Scenario:
     Raises:
         ScenarioError: with a line for everything that is wrong.
     """
-    from simulators.replay.reading.story import read_scenario  # noqa: PLC0415
+    from simulators.replay.reading.scenario import read_scenario  # noqa: PLC0415
 
     return read_scenario(path, find)
 
@@ -35,6 +35,6 @@ def load_bench(path: Path, find: Find = devices.find) -> Mapping[str, NodeSpec]:
     Raises:
         ScenarioError: with a line for everything that is wrong; two nodes may have one node id.
     """
-    from simulators.replay.reading.story import read_bench  # noqa: PLC0415
+    from simulators.replay.reading.scenario import read_bench  # noqa: PLC0415
 
     return read_bench(path, find)

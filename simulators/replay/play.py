@@ -1,7 +1,7 @@
-"""Plays a scenario in simulated time, and writes what was on the bus."""
+"""How a run begins and ends: a scenario in simulated time, from power-on to its verdict."""
 
 from collections.abc import Callable, Iterable
-from typing import TextIO
+from typing import TextIO, TypeVar
 
 from simulators.clock import Clock
 from simulators.replay.player import Player
@@ -9,6 +9,8 @@ from simulators.replay.scenario import Scenario
 from simulators.replay.verdict import Verdict
 from simulators.segment import Record, Segment
 from simulators.wire import Frame
+
+AnyPlayer = TypeVar("AnyPlayer", bound=Player | None)
 
 SLICE = 1.0  # seconds between two reports of progress
 
@@ -38,14 +40,24 @@ def play(
 
     segment.listeners.append(write)
     player = Player(scenario, segment, nodes)
-    for attach in observers:
-        attach(segment, player)
-    player.start()
-    for node in nodes.values():
-        node.power_on()
+    begin(segment, player, observers)
     segment.deliver()
     finish(player, segment, progress)
     return player.verdict
+
+
+def begin(
+    segment: Segment,
+    player: AnyPlayer,
+    observers: Iterable[Callable[[Segment, AnyPlayer], None]] = (),
+) -> None:
+    """Switch the nodes of a segment on, when everybody is there who wants to hear them boot."""
+    for attach in observers:
+        attach(segment, player)
+    if player is not None:
+        player.start()
+    for node in segment.nodes:
+        node.power_on()
 
 
 def finish(

@@ -11,7 +11,7 @@ from simulators.device import Device
 from simulators.replay.signs import Sign
 
 if TYPE_CHECKING:
-    from simulators.replay.stage import Stage
+    from simulators.replay.context import Context
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Action:
     def __str__(self) -> str:
         return type(self).__name__.lower()
 
-    def carry_out(self, stage: Stage) -> None:
+    def carry_out(self, context: Context) -> None:
         """Do it, now.
 
         Raises:
@@ -93,7 +93,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Scenario:
-    """A story: who takes part, and what happens when."""
+    """Who takes part, and what happens when."""
 
     file: Path
     name: str

@@ -7,6 +7,8 @@ from simulators.objects import Address, Object
 from simulators.slave import Slave
 from simulators.wire import Frame
 
+NODE_IDS = range(1, 128)  # CiA 301, 7.2.4.3.1
+
 Handler = Callable[[Frame], None]
 Heard = tuple[int, bool]
 Listening = Iterable[tuple[Heard, Handler]]

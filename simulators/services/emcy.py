@@ -14,7 +14,7 @@ from simulators.services import cob_id as cob_ids
 from simulators.slave import Slave
 from simulators.wire import Frame
 
-FIELD_LENGTH = 5  # bytes of the manufacturer-specific error field
+EMCY_LENGTH, FIELD_LENGTH = 8, 5  # bytes: all of it, and the manufacturer-specific error field
 BIT_30 = 1 << 30
 
 Key = tuple[int, int]  # emergency error code, manufacturer-specific error field
@@ -27,6 +27,15 @@ class Emcy(NamedTuple):
     register: int
     field: bytes = bytes(FIELD_LENGTH)
     label: str = ""
+
+    @property
+    def detail(self) -> int:
+        """The error field as one number, its first byte the lowest."""
+        return int.from_bytes(self.field, "little")
+
+    def is_like(self, other: "Emcy") -> bool:
+        """Whether both tell the same, whatever the register of the moment."""
+        return (self.code, self.detail) == (other.code, other.detail)
 
 
 NO_ERROR = Emcy(0x0000, 0x00, label="no error")
@@ -85,6 +94,12 @@ def emcy_id(slave: Slave) -> int | None:
 def emcy_data(emcy: Emcy, bits: int) -> bytes:
     """A message as it goes over the wire, with the error register of the moment."""
     return emcy.code.to_bytes(2, "little") + bytes([bits]) + emcy.field
+
+
+def emcy_of(data: bytes) -> Emcy:
+    """A message as it comes over the wire; what is too short ends in zeros."""
+    whole = data.ljust(EMCY_LENGTH, b"\0")
+    return Emcy(int.from_bytes(whole[:2], "little"), whole[2], whole[3:])
 
 
 class EmcyProducer(Service):

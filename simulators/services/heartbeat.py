@@ -5,7 +5,7 @@ from functools import partial
 
 from simulators.clock import Timer
 from simulators.objects import Abort, Address, Object, Rejected
-from simulators.services import Listening, Service, State
+from simulators.services import NODE_IDS, Listening, Service, State
 from simulators.slave import Slave
 from simulators.wire import Frame
 
@@ -14,8 +14,6 @@ STATE_BYTE = {
     State.OPERATIONAL: 0x05,
     State.PRE_OPERATIONAL: 0x7F,
 }
-
-NODE_IDS = range(1, 128)
 
 
 class HeartbeatProducer(Service):

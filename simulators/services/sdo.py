@@ -13,6 +13,7 @@ LEFT_OPEN = Rejected("nobody went on with the transfer", Abort.TIME_OUT)
 NO_OBJECT = bytes(3)  # index and sub-index of an answer that belongs to no object
 ABORTS, LITERAL_ABORTS = range(0x80, 0xA0), range(0x80, 0x81)
 BLOCK_INITIATES = frozenset({*BLOCK_UPLOADS, *BLOCK_DOWNLOADS})
+SEGMENTS = (0, 3)  # client command specifiers: the upper three bits of a command
 
 
 class SdoServer(Service):
@@ -53,7 +54,7 @@ class SdoServer(Service):
                 self._close()
             else:
                 self._multiplexer = self._named(data)
-                raise Rejected("no command, or not its turn", Abort.COMMAND)
+                raise Rejected(_not_known(data[0]), Abort.COMMAND)
         except Rejected as refusal:
             self._refuse(refusal)
 
@@ -103,3 +104,9 @@ class SdoServer(Service):
 
     def _send(self, data: bytes) -> None:
         self.slave.wire.put(Frame(self._answers, data))
+
+
+def _not_known(command: int) -> str:
+    if command in BLOCK_INITIATES:
+        return "there is no block transfer"
+    return "a segment of no open transfer" if command >> 5 in SEGMENTS else "no such command"

@@ -2,12 +2,10 @@
 
 from collections.abc import Iterator
 
-from simulators.services.emcy import FIELD_LENGTH, Emcy, emcy_id
+from simulators.services.emcy import Emcy, emcy_id, emcy_of
 from simulators.services.nmt import ALL_NODES, RESETS, TARGET, Nmt
 from simulators.why.view import Line, View, in_brackets
 from simulators.wire import Frame
-
-HEAD = 3  # bytes of an emergency before its error field
 
 
 def emergencies(view: View) -> Iterator[Line]:
@@ -21,20 +19,16 @@ def emergencies(view: View) -> Iterator[Line]:
 
 
 def _emergency(view: View, data: bytes) -> str:
-    code, detail = int.from_bytes(data[:2], "little"), int.from_bytes(data[HEAD:], "little")
-    meaning = _meaning(view, code, data[HEAD:]) if code else ""
-    return f"EMCY {code:04X}h detail {detail:X}h: {meaning}" if meaning else ""
+    told = emcy_of(data)
+    meaning = _meaning(view, told) if told.code else ""
+    return f"EMCY {told.code:04X}h detail {told.detail:X}h: {meaning}" if meaning else ""
 
 
-def _meaning(view: View, code: int, field: bytes) -> str:
+def _meaning(view: View, told: Emcy) -> str:
     """Its label and its section; empty if nobody knows it."""
     known = [*view.node.device.emergencies, *view.node.log.history]
-    label = next((emcy.label for emcy in known if _is(emcy, code, field)), "")
-    return f"{label}{in_brackets(view.sections.emcy(code))}".strip()
-
-
-def _is(emcy: Emcy, code: int, field: bytes) -> bool:
-    return emcy.code == code and emcy.field == field.ljust(FIELD_LENGTH, b"\0")
+    label = next((emcy.label for emcy in known if told.is_like(emcy)), "")
+    return f"{label}{in_brackets(view.sections.emcy(told.code))}".strip()
 
 
 def commands(view: View) -> Iterator[Line]:

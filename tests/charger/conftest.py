@@ -3,7 +3,7 @@ import yaml
 from charger_bus import release
 
 from simulators import Bench
-from simulators.devices.charger.model.catalogue import read_catalogue
+from simulators.devices.charger.message_file import read_catalogue
 from simulators.devices.charger.model.charger import Charger
 from simulators.devices.charger.model.parameter import Parameter
 from simulators.devices.charger.model.release import Source
@@ -19,8 +19,9 @@ def catalogue_data():
 
 
 @pytest.fixture(scope="session")
-def catalogue(catalogue_data):
-    return read_catalogue(catalogue_data)
+def catalogue():
+    with od_file("charger_messages.yaml") as path:
+        return read_catalogue(path)
 
 
 @pytest.fixture

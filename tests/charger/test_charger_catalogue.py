@@ -1,9 +1,12 @@
 from copy import deepcopy
 
 import pytest
+import yaml
 
-from simulators.devices.charger.model.catalogue import Catalogue, Kind, Message, read_catalogue
+from simulators.devices.charger.message_file import read_catalogue
+from simulators.devices.charger.model.catalogue import Catalogue, Kind, Message
 from simulators.devices.charger.model.causes import CAUSES
+from simulators.errors import UserError
 
 INJECTED_ONLY = {"hardware", "parameter_memory", "discharging_short"}
 
@@ -47,40 +50,45 @@ def test_messages_are_found_by_number_and_by_key(catalogue):
 
 
 @pytest.mark.parametrize(
-    ("change", "complaint"),
+    ("change", "told"),
     [
-        (lambda data: data.update(format="topcon"), "no catalogue of the format"),
-        (lambda data: data.update(notes="x"), "unknown entries: notes"),
-        (lambda data: data.update(assumed="yes"), "assumed is true or false"),
-        (lambda data: data.update(errors={}), "errors is a list"),
-        (lambda data: data["errors"].append(7), "errors, entry 15: a message is a mapping"),
+        (lambda data: data.update(format="topcon"), "unknown format 'topcon'"),
+        (lambda data: data.update(notes="x"), "unknown key 'notes'"),
+        (lambda data: data.update(assumed="perhaps"), "'perhaps' is neither true nor false"),
+        (lambda data: data.update(errors=7), "a list is wanted here"),
+        (lambda data: data["errors"].append(7), "a key with a value is wanted here"),
         (lambda data: data["errors"][0].update(number=2), "two errors with the number 2"),
         (lambda data: data["errors"][0].update(key="hardware"), "the key 'hardware'"),
         (lambda data: data["errors"][0].update(number=0x51), "number 0x51 is not in 0x01..0x50"),
-        (lambda data: data["warnings"][1].update(number=0x61), "entry 2: number 0x61 is not in"),
+        (lambda data: data["warnings"][1].update(number=0x61), "number 0x61 is not in"),
         (lambda data: data["errors"][0].update(number=0), "number 0x00 is not in"),
-        (lambda data: data["errors"][0].update(number="1"), "number is a whole number, not '1'"),
+        (lambda data: data["errors"][0].update(number="one"), "'one' is no number"),
+        (lambda data: data["errors"][0].update(number=1.5), "1.5 is no whole number"),
         (lambda data: data["errors"][0].update(emcy=0xFFF), "emcy 0x0fff is not in"),
         (lambda data: data["errors"][0].update(register=4), "register 0x04 is no byte with bit 0"),
         (lambda data: data["errors"][0].update(register=0x101), "register 0x101 is no byte"),
-        (lambda data: data["errors"][0].update(trips=1), "trips is true or false, not 1"),
+        (lambda data: data["errors"][0].update(trips=1), "'1' is neither true nor false"),
         (lambda data: data["warnings"][0].update(trips=True), "a warning does not trip"),
-        (lambda data: data["errors"][0].update(key=""), "key is a word, not ''"),
-        (lambda data: data["errors"][0].update(colour=1), "missing or unknown: colour"),
-        (lambda data: data["errors"][0].pop("emcy"), "missing or unknown: emcy"),
+        (lambda data: data["errors"][0].update(key=""), "empty; a key is a word"),
+        (lambda data: data["errors"][0].update(colour=1), "unknown key 'colour'"),
+        (lambda data: data["errors"][0].pop("emcy"), "'emcy' is missing"),
     ],
 )
-def test_a_wrong_catalogue_is_refused_in_one_line_that_says_where(data, change, complaint):
+def test_a_wrong_catalogue_is_refused_in_one_line_that_says_where(data, tmp_path, change, told):
     change(data)
-    with pytest.raises(ValueError, match=complaint) as refusal:
-        read_catalogue(data)
-    assert "\n" not in str(refusal.value)
+    path = tmp_path / "messages.yaml"
+    path.write_text(yaml.safe_dump(data))
+    with pytest.raises(UserError, match=rf"^{path}:\d+:\d+: [^\n]+$") as refusal:
+        read_catalogue(path)
+    assert told in str(refusal.value)
 
 
-@pytest.mark.parametrize("data", [None, [], "text"])
-def test_what_is_no_mapping_is_no_catalogue(data):
-    with pytest.raises(ValueError, match="no catalogue"):
-        read_catalogue(data)
+@pytest.mark.parametrize("text", ["[]", "text", ""])
+def test_what_is_no_mapping_is_no_catalogue(text, tmp_path):
+    path = tmp_path / "messages.yaml"
+    path.write_text(text)
+    with pytest.raises(UserError, match=r"messages.yaml:1:1: "):
+        read_catalogue(path)
 
 
 def test_messages_without_a_key_may_be_many():

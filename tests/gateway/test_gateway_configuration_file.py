@@ -105,6 +105,22 @@ def test_a_table_that_cannot_be_used_is_told_in_one_line(tmp_path, setting, cont
     assert "\n" not in str(refusal.value)
 
 
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("error bits: {}\nerror bits: {}", "2:1: 'error bits' stands here twice"),
+        ("error bits: {}", "1:1: the keys are not just 'error bits' and 'engine state bits'"),
+        ("error bits: {1: [03000]}", "1:18: 03000 may be taken for different numbers"),
+    ],
+)
+def test_a_table_of_bits_is_told_with_its_place(tmp_path, text, told):
+    file = tmp_path / "bits.yaml"
+    file.write_text(text)
+    with pytest.raises(UserError) as refusal:
+        Bench("gateway", error_bits=str(file))
+    assert f"{file}:{told}" in str(refusal.value)
+
+
 def test_a_table_as_large_as_a_disk_is_not_read(tmp_path):
     file = tmp_path / "table"
     file.write_bytes(b"#" * (1 << 20) + b"#")

@@ -67,7 +67,8 @@ def drawn(story, tmp_path) -> Callable[..., Path]:
 def draw(scenario, path):
     """The picture of a scenario."""
     plot = Plot(path)
-    plot.save(scenario, play(scenario, StringIO(), observers=[plot.begin]))
+    play(scenario, StringIO(), observers=[plot.begin])
+    plot.save()
     return path
 
 

@@ -14,7 +14,8 @@ def said(capsys):
 
 
 @pytest.mark.parametrize(
-    ("suffix", "begins"), [(".png", b"\x89PNG"), (".svg", b"<?xml"), (".html", b"<!DOCTYPE html>")]
+    ("suffix", "begins"),
+    [(".png", b"\x89PNG"), (".PNG", b"\x89PNG"), (".svg", b"<?xml"), (".html", b"<!DOCTYPE html>")],
 )
 def test_a_picture_is_drawn_beside_what_is_printed(said, tmp_path, suffix, begins):
     path = tmp_path / f"trip{suffix}"

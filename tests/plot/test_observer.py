@@ -6,6 +6,10 @@ import pytest
 from simulators.plot.observer import Observer
 from simulators.plot.view import MOST_MARKS
 from simulators.replay import load, play
+from simulators.segment import Segment
+from simulators.wire import Frame
+
+from .conftest import Meter
 
 SCENARIOS = sorted(Path(__file__).parents[2].glob("scenarios/*.yaml"))
 
@@ -48,6 +52,21 @@ def test_without_power_there_is_nothing(observed):
     states = [(0, "pre-operational"), (1, "power off"), (2, "pre-operational"), (3, "operational")]
     assert words(view.nmt) == states
     assert words(view.state) == [(0, "low"), (1, "power off"), (2, "low")]
+
+
+def test_what_a_frame_from_outside_does_to_a_device_at_rest_is_seen():
+    segment = Segment()
+    node = segment.node(Meter(node_id=5), "meter")
+    observer = Observer(segment, None)
+    node.power_on()
+    segment.deliver()
+    for time, frame in [(10, "000#0105"), (20, "605#2B00210007000000"), (30, "000#0205")]:
+        segment.advance_to(time)
+        segment.send(Frame.parse(frame))
+    segment.advance_to(40)
+    (view,) = observer.views
+    assert words(view.nmt) == [(0, "pre-operational"), (10, "operational"), (30, "stopped")]
+    assert view.strips[0].actual.points == [(0, 0), (20, 7)]
 
 
 def test_a_fault_is_there_from_inject_to_clear(observed):

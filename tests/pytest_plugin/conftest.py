@@ -5,9 +5,9 @@ import pytest
 # what a run inside this process imports first, it would forget at its end, but for what packages
 # have as attributes: two modules of one name
 import simulators.commands.scenarios
+import simulators.scenario_bench
 import simulators.served
 import simulators.simulated_time
-import simulators.story
 import simulators.verdicts.properties  # noqa: F401
 
 HEAD = "version: 1\nname: {name}\nnode: {{device: topcon, node_id: 5}}\nsteps:\n"

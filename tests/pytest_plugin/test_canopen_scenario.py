@@ -46,7 +46,7 @@ def test_a_test_that_fails_by_itself_says_so_and_how_the_bench_was(run, story):
             "*AssertionError*",
             "*CANopen: last frames*",
             "topcon: node 5*",
-            "*CANopen: the story so far*",
+            "*CANopen: the scenario so far*",
             "late.yaml: ERROR (1 ERROR)",
             "* late.yaml:5: *: 1 steps from here on were not reached",
         ]
@@ -74,7 +74,7 @@ def test_one_that_is_not_there_or_wrong_is_told_in_a_line_each(run, story):
     """)
     result.stdout.fnmatch_lines(
         [
-            "unknown scenario 'topcon_overvoltag.yaml': did you mean 'topcon_overvoltage.yaml'?",
+            "unknown file or shipped scenario 'topcon_overvoltag.yaml': did you mean *",
             "wrong.yaml:5:11: unknown key 'expct': did you mean 'expect'?",
         ]
     )
@@ -176,4 +176,18 @@ steps:
             bench = canopen_scenario("slow.yaml")
             assert bench.sent == []
             assert bench.run(0.01) == ["705#00"]
+    """).assert_outcomes(passed=1)
+
+
+def test_a_master_that_waits_for_the_boot_up_message_gets_it(run, story):
+    story("boot.yaml", "- {at: 0, power: off}\n- {at: 0.5, power: on}")
+    run("""
+        import canopen
+
+        def test_waits(canopen_scenario, canopen_simulated_time):
+            canopen_simulated_time(canopen_scenario("boot.yaml"))
+            network = canopen.Network()
+            network.connect(interface="socketcan", channel="can0")
+            network.add_node(5).nmt.wait_for_bootup(1)
+            network.disconnect()
     """).assert_outcomes(passed=1)

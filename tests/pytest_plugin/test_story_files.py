@@ -3,7 +3,7 @@ import sys
 
 import pytest
 
-from simulators.pytest_plugin.stories import judge
+from simulators.pytest_plugin.scenarios import judge
 from simulators.replay import Kind, Outcome, Verdict
 
 from .steps import BROKEN, FAILING, PASSING

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from simulators import devices
 from simulators.clock import MICROSECONDS
-from simulators.record import Recorded, Side, about, again, differences, record
+from simulators.record import Recorded, Side, about, differences, record, reproduce
 from simulators.segment import Segment
 from simulators.wire import Frame
 
@@ -48,7 +48,7 @@ def test_whatever_comes_from_outside_and_when_the_replay_is_the_same(tmp_path, n
         segment.advance(rest / MICROSECONDS)
     anew = folder.with_suffix(".anew")
     with record(anew, told, None) as observer:
-        again(Recorded(folder), [observer])
+        reproduce(Recorded(folder), [observer])
     same, words = differences(Side.of("record", folder), Side.of("replay", anew))
     assert same, words
     assert (folder / "trace.log").read_bytes() == (anew / "trace.log").read_bytes()

@@ -2,7 +2,7 @@ import gzip
 
 import pytest
 
-from simulators.record.difference import AHEAD, compare
+from simulators.record.compare import AHEAD, compare
 
 from .conftest import STORY, edit
 
@@ -60,14 +60,14 @@ def test_the_first_difference_is_told_with_what_was_before_and_beside(said, reco
         " resistor 4}}' / 'node: {device: topcon, node_id: 5, settings: {load: open}}'",
         "what happened in A:",
         "            0.200000  topcon      step of line 6: inject",
-        "            0.200000  topcon      fault error injected: {'number': 35}",
+        "            0.200000  topcon      fault error(number=35) injected",
         "            0.200000  topcon      EMCY 2300h register 03h gate driver A fault",
         "            0.200000  topcon      step of line 7: EMCY 2300/xx/xx within 0.05 s",
         "            0.200000  topcon      PASS of line 7: EMCY 2300/xx/xx within 0.05 s:"
         " 2300/03/23",
         "what happened in B:",
         "            0.200000  topcon      step of line 6: inject",
-        "            0.200000  topcon      fault error injected: {'number': 36}",
+        "            0.200000  topcon      fault error(number=36) injected",
         "            0.200000  topcon      EMCY 2300h register 03h gate driver B fault",
         "            0.200000  topcon      step of line 7: EMCY 2300/xx/xx within 0.05 s",
         "            0.200000  topcon      PASS of line 7: EMCY 2300/xx/xx within 0.05 s:"

@@ -1,3 +1,6 @@
+import pytest
+
+
 def work(master):
     """What a master does: configure, start, command by PDO, ask, and let some time pass."""
     master.hear("705#00")
@@ -24,6 +27,18 @@ def test_a_live_run_is_lived_through_again_to_the_byte(live, said, tmp_path):
     code, out, err = said("replay", tmp_path / "record")
     assert (code, out) == (0, trace)
     assert err.startswith(f"the same {len(trace.splitlines())} frames and ")
+
+
+@pytest.mark.parametrize("suffix", ["svg", "html"])
+def test_a_live_run_without_a_scenario_can_be_drawn(live, said, tmp_path, suffix):
+    live(work, "topcon", "-n", "5", "--record", tmp_path / "record")
+    plain = said("replay", tmp_path / "record")
+    path = tmp_path / f"run.{suffix}"
+    assert said("replay", tmp_path / "record", "--plot", path) == plain
+    text = path.read_text("utf-8")
+    assert "no scenario" in text
+    assert "PASS" not in text
+    assert "topcon, node 5" in text.partition("Voltage")[0]
 
 
 def test_a_live_run_with_a_scenario_is_lived_through_again(live, said, story, tmp_path):

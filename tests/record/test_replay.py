@@ -23,6 +23,28 @@ def test_a_play_is_lived_through_again(said, recorded):
     assert err == f"the same {frames} frames and {events} events\n"
 
 
+@pytest.mark.parametrize("suffix", ["png", "svg", "html"])
+def test_it_is_drawn_as_it_was_when_it_was_played(said, story, tmp_path, suffix):
+    then, now = tmp_path / f"then.{suffix}", tmp_path / f"now.{suffix}"
+    said("play", story(), "--record", tmp_path / "record", "--plot", then)
+    plain = said("replay", tmp_path / "record")
+    assert said("replay", tmp_path / "record", "--plot", now) == plain
+    assert plain[0] == 0
+    assert now.read_bytes() == then.read_bytes()
+
+
+def test_a_replay_that_differs_is_drawn_as_well(said, recorded, tmp_path):
+    folder = recorded()
+    edit(folder / "scenario.yaml", "number: 0x23", "number: 0x24")
+    assert said("replay", folder, "--plot", tmp_path / "now.svg")[0] == 1
+    assert "error(number=36)" in (tmp_path / "now.svg").read_text("utf-8")
+
+
+def test_a_picture_with_no_place_is_told_before_anything_is_replayed(said, recorded):
+    told = "canopen-twin: x.gif is no picture: its name ends with .html, .png, .svg\n"
+    assert said("replay", recorded(), "--plot", "x.gif") == (2, "", told)
+
+
 def test_the_scenario_is_that_of_the_record(said, recorded, story):
     folder = recorded()
     story("version: 2")

@@ -138,5 +138,5 @@ def test_a_suffix_may_be_in_capitals(lived, tmp_path):
 def test_a_full_disk_is_told_in_a_line(said, tmp_path):
     (tmp_path / "out.log.part").symlink_to("/dev/full")
     code, _, err = said("play", "topcon_overvoltage.yaml", "--trace", tmp_path / "out.log")
-    told = "canopen-twin: what is kept cannot be written: No space left on device\n"
+    told = "canopen-twin: the output cannot be written: No space left on device\n"
     assert (code, err) == (2, told)

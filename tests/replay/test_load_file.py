@@ -1,6 +1,6 @@
 import pytest
 
-from simulators.replay.file.story import MOST_NODES, MOST_STEPS
+from simulators.replay.file.scenario import MOST_NODES, MOST_STEPS
 from simulators.replay.scenario import After, At
 
 

@@ -125,6 +125,7 @@ def test_a_write_that_shall_be_refused_has_its_rules_too(problem, step, wrong):
         ("{emcy: {cod: 1}, within: 1}", "4:29: unknown key 'cod': did you mean 'code'?"),
         ("{emcy: {code: 0x10000}, within: 1}", "4:35: 0x10000 is not in 0..0xffff"),
         ("{emcy: {register: 256}, within: 1}", "4:39: 256 is not in 0..0xff"),
+        ("{frame: '185#xyz*', within: 1}", "4:29: '185#xyz*' is no frame"),
         ("{frame: 185, within: 1}", "4:29: '185' is no frame"),
         ("{frame: '185#3', within: 1}", "4:29: '185#3': data are"),
         ("{heartbeat: operating, within: 1}", "4:33: unknown heartbeat 'operating': did you mean"),

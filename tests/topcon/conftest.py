@@ -1,12 +1,12 @@
 from collections.abc import Callable
 from dataclasses import asdict, replace
-from pathlib import Path
 
 import pytest
 import yaml
 
 from simulators import Bench
-from simulators.devices.topcon.model import OutputStage, UnitType, parse_load, unit_types
+from simulators.devices.topcon.model import OutputStage, UnitType, parse_load
+from simulators.devices.topcon.unit_file import read_unit_types
 from simulators.resources import od_file
 
 
@@ -32,7 +32,7 @@ def unit_file(units, tmp_path) -> Callable[..., str]:
 @pytest.fixture(scope="session")
 def units() -> dict[str, UnitType]:
     with od_file("topcon_units.yaml") as path:
-        return unit_types(yaml.safe_load(Path(path).read_text()))
+        return read_unit_types(path)
 
 
 @pytest.fixture

@@ -56,6 +56,27 @@ def test_a_cause_is_told_stops_the_output_and_can_be_reset_when_it_is_gone(
         assert state_of_output(topcon) & 0x8001 == 0
 
 
+@pytest.mark.spec("A-83")
+@pytest.mark.parametrize(
+    ("feeding", "details"),
+    [
+        ({"hertz": 47.9}, [0x143]),
+        ({"hertz": 62.1}, [0x142]),
+        ({"volts": 335}, [0x145]),
+        ({"volts": 470, "hertz": 63}, [0x144, 0x142]),
+        ({"hertz": 48}, []),
+    ],
+)
+def test_a_regenerative_unit_watches_voltage_and_frequency_of_the_mains(feeding, details):
+    bench = Bench("topcon", node_id=5, unit="TCP-32-400-IBC")
+    bench.inject("mains", **feeding)
+    bench.run(0.1)
+    told = [frame for frame in bench.sent if frame.startswith("085")]
+    assert sorted(told) == sorted(emcy(0x3100, 0x05, detail) for detail in details)
+    bench.clear("mains")
+    assert (reset(bench) == NO_ERROR) is bool(details)
+
+
 @pytest.mark.spec("T-193", "A-83")
 def test_the_dc_link_is_low_only_after_20_ms(topcon):
     topcon.inject("mains", volts=339.9)

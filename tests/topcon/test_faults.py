@@ -59,6 +59,7 @@ def test_every_message_of_chapter_8_can_be_had_and_stops_the_output_if_it_is_the
         ("card_error", {"code": 0x8120}, "no card error 0x8120"),
         ("mains", {"volts": 99}, "without mains the unit is off"),
         ("mains", {"volts": 601}, "100..600 V"),
+        ("mains", {"hertz": 39}, "less than 40"),
         ("supply", {"rail": "12V", "volts": 12}, "unknown rail '12V'"),
         ("overtemperature", {"sensor": "fan"}, "unknown sensor 'fan'"),
         ("interlok_open", {}, "did you mean 'interlock_open'?"),

@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import pytest
 
-from simulators.devices.topcon.model import OutputStage, unit_types
+from simulators.devices.topcon.model import OutputStage
 
 A = "TCP-32-400"
 
@@ -49,56 +49,6 @@ def test_a_unit_type_that_cannot_be_is_refused(units, figures, complaint):
     with pytest.raises(ValueError, match=r"^unit type 'TCP-32-400': [^\n]+$") as refusal:
         replace(units[A], **figures)
     assert complaint in str(refusal.value)
-
-
-def listed(units, **changes):
-    entry = {name: getattr(units[A], name) for name in units[A].__dataclass_fields__}
-    entry = {name: value for name, value in (entry | changes).items() if value is not None}
-    return {"version": 1, "types": [entry]}
-
-
-@pytest.mark.parametrize(
-    ("changes", "complaint"),
-    [
-        ({"nominal_volltage": 4}, "'nominal_volltage' is unknown, did you mean 'nominal_voltage'?"),
-        ({"bleeder": None}, "'bleeder' is missing"),
-        ({"name": None}, "'name' is missing"),
-        ({"capacitance": "5e-4"}, "capacitance must be a number, not '5e-4'"),
-        ({"bleeder": True}, "bleeder must be a number, not True"),
-        ({"regenerative": "yes"}, "regenerative must be true or false, not 'yes'"),
-        ({"name": 5}, "name must be text, not 5"),
-    ],
-)
-def test_a_wrong_entry_is_refused_by_name(units, changes, complaint):
-    with pytest.raises(ValueError, match=r"^unit type [^\n]+$") as refusal:
-        unit_types(listed(units, **changes))
-    assert complaint in str(refusal.value)
-
-
-def test_what_has_a_default_may_be_left_out(units):
-    assert unit_types(listed(units, sink_current=None, regenerative=None)) == {A: units[A]}
-
-
-@pytest.mark.parametrize(
-    ("data", "complaint"),
-    [
-        ({"types": []}, "version must be 1, not None"),
-        ({"version": 2, "types": []}, "version must be 1, not 2"),
-        ({"version": 1}, "'types' must be a list"),
-        ({"version": 1, "types": ["TCP"]}, "unit type 1 must be a mapping, not 'TCP'"),
-        ({"version": 1, "type": []}, "'type' is unknown, did you mean 'types'?"),
-    ],
-)
-def test_a_file_of_another_form_is_refused(data, complaint):
-    with pytest.raises(ValueError, match=r"^[^\n]+$") as refusal:
-        unit_types(data)
-    assert complaint in str(refusal.value)
-
-
-def test_a_type_listed_twice_is_refused(units):
-    data = listed(units)
-    with pytest.raises(ValueError, match="listed twice"):
-        unit_types({"version": 1, "types": data["types"] * 2})
 
 
 @pytest.mark.spec("T-160", "A-74")

@@ -54,7 +54,14 @@ ANSWERS = [
     (("topcon", "0x2000=1"), "refused with 0x06010002: read only"),
     (("topcon", "0x1008=a longer text"), "refused with 0x06010002: read only"),
     (("charger", "0x1017=150"), "refused with 0x06090030: 150 ms is no multiple of 100"),
+    (("charger", "0x1017=50"), "refused with 0x06090032: 50 ms is below 100"),
     (("charger", "0x1017=200", "-n", "0x05"), "accepted"),
+    (("charger", "0x2002:0D=1000"), "refused with 0x06090032: 1000 is below 1500 (0x2002:0C)"),
+    (("charger", "0x2002:08=31000"), "refused with 0x06090031: 31000 is above 30000 (0x2002:0D)"),
+    (
+        ("charger", "0x2002:04=400"),
+        "accepted, without effect: below 500 ms it is kept as 0, which is no time-out",
+    ),
     (("charger", "0x6200:01=0x0F"), f"accepted, without effect: {RELEASE}"),
     (("gateway", "0x1017=100"), "refused with 0x06010002: read only"),
 ]

@@ -22,8 +22,9 @@ READ, RUN = "605#4000100000000000", "605#2B14200001000000"
         ("605#2B00200000000000", "read only, Nominal voltage (manual 7.3.1)"),
         ("605#4018100900000000", "no such sub-index, Identity Object (manual 7.2.11)"),
         ("605#4012100000000000", "no such object, 0x1012:00"),
-        ("605#A018100100000000", "no command, or not its turn, Identity Object.Vendor ID"),
-        ("605#0000000000000000", "no command, or not its turn (manual 3.2)"),
+        ("605#A018100100000000", "there is no block transfer, Identity Object.Vendor ID"),
+        ("605#0000000000000000", "a segment of no open transfer (manual 3.2)"),
+        ("605#E018100100000000", "no such command (manual 3.2)"),
     ],
 )
 def test_a_refusal_is_told_as_the_device_means_it_with_its_object(
@@ -95,11 +96,11 @@ def test_a_gateway_says_what_keeps_it_from_communicating(reasons):
     reason = reasons(gateway)[-1]
     assert reason.startswith("the node is silent: its CANopen state is Undefined: governor running")
     assert "3071" in reason
-    assert reason.endswith("12422 (manual 3)")
+    assert reason.endswith("12422 (manual 3, 9.3 to 9.5)")
     gateway.power_off()
     gateway.power_on()
     assert reasons(gateway)[-1].endswith(
-        "governor in the start tests, gateway in the start tests, no errors (manual 3)"
+        "governor in the start tests, gateway in the start tests, no errors (manual 3, 9.3 to 9.5)"
     )
 
 
@@ -256,3 +257,20 @@ def test_a_transfer_that_nobody_goes_on_with(topcon, reasons):
         "605#4008100000000000 refused: nobody went on with the transfer,"
         " Manufacturer Device Name (manual 7.2.5)"
     )
+
+
+def test_a_reset_whose_cause_lasts_says_that_it_was_in_vain(topcon, reasons):
+    reset = "605#2B14200002000000"
+    topcon.inject("interlock_open")
+    topcon.run(0.1)
+    assert reasons(topcon, reset)[-1] == (
+        f"{reset} accepted, without effect now: the cause of an error is still there (A-49),"
+        " Run command (manual 7.3.9)"
+    )
+    topcon.clear("interlock_open")
+    assert not any(line.startswith(reset) for line in reasons(topcon, reset))
+
+
+def test_a_time_out_that_is_too_short_is_none(charger, reasons):
+    (told,) = reasons(charger, "609#2B02200490010000")
+    assert "accepted, without effect now: below 500 ms it is kept as 0" in told

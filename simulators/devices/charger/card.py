@@ -70,10 +70,10 @@ def heartbeat_time(milliseconds: int) -> int:
     Raises:
         Rejected: something else.
     """
+    if 0 < milliseconds < HEARTBEAT_STEP:
+        raise Rejected(f"{milliseconds} ms is below {HEARTBEAT_STEP}", Abort.TOO_LOW)
     if milliseconds % HEARTBEAT_STEP:
-        too_short = milliseconds < HEARTBEAT_STEP
-        code = Abort.TOO_LOW if too_short else Abort.INVALID_VALUE
-        raise Rejected(f"{milliseconds} ms is no multiple of {HEARTBEAT_STEP}", code)
+        raise Rejected(f"{milliseconds} ms is no multiple of {HEARTBEAT_STEP}")
     return milliseconds
 
 

@@ -6,11 +6,20 @@ from functools import partial
 from simulators.devices.charger.model.catalogue import Kind
 from simulators.devices.charger.model.charger import Charger
 from simulators.devices.charger.model.parameter import Direction, OutOfRange, Parameter
+from simulators.devices.charger.model.parameters import SHORTEST_TIMEOUT
 from simulators.devices.charger.model.release import Source, State
 from simulators.objects import Abort, Address, Object, Rejected
 
 REFUSALS = {Direction.LOW: Abort.TOO_LOW, Direction.HIGH: Abort.TOO_HIGH}
 LOCKED, RELEASED = 0x00, 0x0F  # 6200h:01h
+
+
+def _no_timeout(milliseconds: int) -> str:
+    short = 0 < milliseconds < SHORTEST_TIMEOUT
+    return f"below {SHORTEST_TIMEOUT} ms it is kept as 0, which is no time-out" if short else ""
+
+
+OBSTACLES = {Parameter.RELEASE_TIMEOUT: _no_timeout}
 
 
 class Control:
@@ -28,6 +37,7 @@ class Control:
                 (0x2002, parameter.value): Object(
                     read=partial(values.__getitem__, parameter),
                     write=partial(self._write, parameter),
+                    obstacle=OBSTACLES.get(parameter),
                 )
                 for parameter in Parameter
             },
@@ -61,7 +71,7 @@ class Control:
         if value == RELEASED and release.state is State.FAULT:
             return "an error blocks the release until it is cleared (A-48)"
         if value == RELEASED and not release.closed:
-            return "the hardware release is open"
+            return "the hardware release is open (A-47)"
         return ""
 
     def _release(self, value: int) -> None:

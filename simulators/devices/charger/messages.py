@@ -4,12 +4,12 @@ from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
-from simulators.devices.charger.model.catalogue import Catalogue, Kind, Message, read_catalogue
+from simulators.devices.charger.message_file import read_catalogue
+from simulators.devices.charger.model.catalogue import Catalogue, Kind, Message
 from simulators.errors import UserError, unknown
 from simulators.messages import EmcyMessage
 from simulators.resources import od_file
 from simulators.services.emcy import FIELD_LENGTH, NO_ERROR, Emcy
-from simulators.yaml_file import read_table
 
 SHIPPED = "charger_messages.yaml"
 GENERIC = 1 << 0  # of the error register, with every message
@@ -23,13 +23,13 @@ def catalogue(file: str) -> Catalogue:
     Raises:
         UserError: the file is not what it should be.
     """
-    return read_table(Path(file), read_catalogue) if file else _shipped()
+    return read_catalogue(Path(file)) if file else _shipped()
 
 
 @cache
 def _shipped() -> Catalogue:
     with od_file(SHIPPED) as path:
-        return read_table(path, read_catalogue)
+        return read_catalogue(path)
 
 
 @cache

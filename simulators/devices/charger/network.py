@@ -4,9 +4,9 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from simulators.objects import Address, Object, Rejected
+from simulators.services import NODE_IDS
 from simulators.services.lss import Stored
 
-NODE_IDS = range(1, 128)
 BIT_RATES: Mapping[int, int] = {
     0: 1_000_000,
     1: 800_000,

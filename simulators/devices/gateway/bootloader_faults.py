@@ -23,6 +23,11 @@ LOOPS = {"watchdog": EndlessLoop.WATCHDOG, "checksum": EndlessLoop.CHECKSUM, "ra
 
 def faults(device: Device) -> Mapping[str, Fault]:
     """All of them restart the unit at once."""
+    return {**_programme(device), **_bootloader(device)}
+
+
+def _programme(device: Device) -> dict[str, Fault]:
+    """The bootloader keeps the unit, and does not go on to the programme."""
     return {
         "bootloader": for_units(
             device,
@@ -38,6 +43,12 @@ def faults(device: Device) -> Mapping[str, Fault]:
             hand_on,
             {"address": Parameter("where the programme was", 0, int)},
         ),
+    }
+
+
+def _bootloader(device: Device) -> dict[str, Fault]:
+    """What the bootloader finds at itself and its memory."""
+    return {
         "endless_loop": for_units(
             device,
             "A unit restarts, and a test of the bootloader itself fails: not even DcDesk works.",

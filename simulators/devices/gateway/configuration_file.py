@@ -1,14 +1,16 @@
 """Configuration files: parameters by unit, each by its number or name, checked one by one."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 from simulators.devices.gateway.model.parameters import Catalogue, Unit
-from simulators.documents.document import Item, Pair, read
-from simulators.documents.problems import Problems
-from simulators.errors import UserError, unknown
+from simulators.documents.document import Item, Pair, understand
+from simulators.documents.keys import values
+from simulators.errors import UserError
 
-VERSION_KEY, VERSION = "version", 1
+VERSION = 1
 UNITS = [unit.value for unit in Unit]
 
 
@@ -18,38 +20,30 @@ def read_configuration(path: Path, known: Catalogue) -> Mapping[str, Mapping[int
     Raises:
         DocumentError: with a line for everything that is wrong, each with its place.
     """
-    problems = Problems(str(path))
-    content = {}
-    with problems.at(file := read(path, problems)):
-        _check_version(file)
-        for name, pair in file.pairs.items():
-            if name in UNITS:
-                content[name] = _values(pair.value, Unit(name), known)
-            elif name != VERSION_KEY:
-                problems.add(pair.key.mark, str(unknown("key", name, (VERSION_KEY, *UNITS))))
-    problems.settle()
-    return content
+    keys: dict[str, Callable[[Item], Any]] = {"version": _check_version}
+    keys |= {unit.value: partial(_values, unit=unit, known=known) for unit in Unit}
+
+    def content(file: Item) -> Mapping[str, Mapping[int, float]]:
+        taken = values(file, keys, optional=UNITS)
+        return {unit: taken[unit] for unit in UNITS if unit in taken}
+
+    return understand(path, content)
 
 
-def _check_version(file: Item) -> None:
-    with file.problems.at(file):
-        if VERSION_KEY not in file.pairs:
-            raise UserError(f"{VERSION_KEY!r} is missing")
-        version = file.pairs[VERSION_KEY].value
-        if version.whole != VERSION:
-            raise version.wrong(f"version {version.text} is unknown; this is {VERSION}")
+def _check_version(version: Item) -> None:
+    if version.whole != VERSION:
+        raise version.wrong(f"version {version.text} is unknown; this is {VERSION}")
 
 
 def _values(item: Item, unit: Unit, known: Catalogue) -> Mapping[int, float]:
-    values: dict[int, float] = {}
-    with item.problems.at(item):
-        for pair in item.pairs.values():
-            with item.problems.at(pair.key):
-                number, value = _value(pair, unit, known)
-                if number in values:
-                    raise UserError(f"{pair.key.text} is parameter {number}, which stands above")
-                values[number] = value
-    return values
+    found: dict[int, float] = {}
+    for pair in item.pairs.values():
+        with item.problems.at(pair.key):
+            number, value = _value(pair, unit, known)
+            if number in found:
+                raise UserError(f"{pair.key.text} is parameter {number}, which stands above")
+            found[number] = value
+    return found
 
 
 def _value(pair: Pair, unit: Unit, known: Catalogue) -> tuple[int, float]:

@@ -5,9 +5,6 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
-from typing import Any
-
-import yaml
 
 from simulators.devices.gateway.configuration_file import read_configuration
 from simulators.devices.gateway.model.assignment import Assignment, assignment
@@ -19,6 +16,7 @@ from simulators.devices.gateway.model.scaling import Scaling, scaling
 from simulators.devices.gateway.model.system import System
 from simulators.devices.gateway.model.table import catalogue
 from simulators.devices.gateway.settings import Settings
+from simulators.documents.document import Item, understand
 from simulators.errors import UserError
 from simulators.resources import od_file
 
@@ -93,23 +91,21 @@ def _shipped_scaling() -> Scaling:
 
 
 def _assignment(file: str) -> Assignment:
-    if not file:
-        return _shipped_assignment()
-    try:
-        return assignment(_content(Path(file)))
-    except (OSError, ValueError, yaml.YAMLError) as refusal:
-        reason = str(refusal).replace("\n", " ")
-        raise UserError(f"{file}: {reason}") from refusal
+    return understand(Path(file), _meaning) if file else _shipped_assignment()
 
 
 @cache
 def _shipped_assignment() -> Assignment:
     with od_file("gateway_errors.yaml") as path:
-        return assignment(_content(path))
+        return understand(path, _meaning)
 
 
-def _content(path: Path) -> Any:
-    return yaml.safe_load(_text(path))
+def _meaning(table: Item) -> Assignment:
+    content = table.content
+    try:
+        return assignment(content)
+    except ValueError as refusal:
+        raise UserError(str(refusal)) from refusal
 
 
 def _rows(path: Path) -> list[dict[str, str]]:

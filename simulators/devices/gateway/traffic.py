@@ -8,8 +8,8 @@ from functools import partial
 from simulators.devices.gateway.model.canopen_bus import BootUp, Heartbeat, Message, TpdoFrame
 from simulators.devices.gateway.model.state import State as GatewayState
 from simulators.devices.gateway.model.system import System
-from simulators.services import Listening, Service, State
-from simulators.services.heartbeat import NODE_IDS, STATE_BYTE
+from simulators.services import NODE_IDS, Listening, Service, State
+from simulators.services.heartbeat import STATE_BYTE
 from simulators.slave import Slave
 from simulators.wire import Frame
 

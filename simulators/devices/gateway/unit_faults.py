@@ -88,7 +88,7 @@ def _life(device: Device) -> Mapping[str, Fault]:
     return {
         "reset": for_units(device, "A control unit is reset (12411, 12419, or neither).", restart),
         "governor_late": Fault(
-            "The governor starts, and takes its time (12422 in the gateway after 400).",
+            "The governor starts, and takes its time (12422 after the delay 400).",
             be_late,
             lambda seconds: be_in_time(),
             {"seconds": Parameter("from now until its programme runs", 5.0)},

@@ -11,7 +11,7 @@ from simulators.objects import Abort, Address, Object, Rejected
 from simulators.services import State
 
 STOP, RUN, RESET = range(3)  # Tab. 55
-MANUAL_START_IN_ERROR = 0x7A  # Tab. 75
+MANUAL_START_IN_ERROR = 0x7A  # Tab. 74
 
 
 class SetValue(NamedTuple):
@@ -98,6 +98,8 @@ class Control:
     def _obstacle(self, command: int) -> str:
         if command == RUN and self._stage.errors:
             return "an error is active, and RUN waits for its reset (A-47)"
+        if command == RESET and self._stage.errors:
+            return "the cause of an error is still there (A-49)"
         return self._panel.obstacle
 
     def _run(self) -> None:

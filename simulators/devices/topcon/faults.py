@@ -31,6 +31,11 @@ def faults(device: Device) -> Mapping[str, Fault]:
 
     The device is asked for its stage when a fault is used: power-on makes a new one.
     """
+    return {**_connections(device), **_supplies(device), **_errors(device)}
+
+
+def _connections(device: Device) -> dict[str, Fault]:
+    """What is wrong with the cables of the unit."""
     return {
         "interlock_open": _condition(
             device,
@@ -53,11 +58,21 @@ def faults(device: Device) -> Mapping[str, Fault]:
             lambda volts: _restore(device, "sense_offset"),
             {"volts": Parameter("difference in V; 5 % of the nominal voltage are tolerated")},
         ),
+    }
+
+
+def _supplies(device: Device) -> dict[str, Fault]:
+    """What leaves the range in which the unit works."""
+    return {
         "mains": Fault(
-            "The mains leave 340..460 V: intermediate circuit low or high (EMCY 3200, 49, 4A, 4D).",
-            lambda volts: setattr(device.stage, "mains", _mains(volts)),
-            lambda volts: _restore(device, "mains"),
-            {"volts": Parameter("between the phases, 100..600 V")},
+            "The mains leave 340..460 V (EMCY 3200, 49, 4A, 4D); with IBC also 48..62 Hz"
+            " (3100, 145, 144, 143, 142).",
+            lambda volts, hertz: _feed(device, _mains(volts), hertz),
+            lambda volts, hertz: _feed(device, OutputStage.mains, OutputStage.mains_frequency),
+            {
+                "volts": Parameter("between the phases, 100..600 V", OutputStage.mains),
+                "hertz": Parameter("40..70 Hz", OutputStage.mains_frequency, low=40, high=70),
+            },
         ),
         "supply": Fault(
             "A supply inside the unit leaves its range of 10 % (EMCY 3200, 43..48, 4B, 4C).",
@@ -71,6 +86,12 @@ def faults(device: Device) -> Mapping[str, Fault]:
             lambda sensor: device.stage.release(SENSORS[sensor]),
             {"sensor": Parameter(", ".join(SENSORS), "igbt", str)},
         ),
+    }
+
+
+def _errors(device: Device) -> dict[str, Fault]:
+    """Messages of chapter 8 without a cause of their own."""
+    return {
         "error": Fault(
             "Any error of the unit; its cause is gone at once, the error stays until the reset.",
             lambda number: device.stage.trip(unit_error(number)),
@@ -111,6 +132,10 @@ def _one_of(known: Mapping[str, Meaning], what: str, word: str) -> Meaning:
     if word not in known:
         raise unknown(what, word, known)
     return known[word]
+
+
+def _feed(device: Device, volts: float, hertz: float) -> None:
+    device.stage.mains, device.stage.mains_frequency = volts, hertz
 
 
 def _mains(volts: float) -> float:

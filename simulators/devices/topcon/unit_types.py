@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
-from simulators.devices.topcon.model import OutputStage, UnitType, parse_load, unit_types
+from simulators.devices.topcon.model import OutputStage, UnitType, parse_load
 from simulators.devices.topcon.settings import Settings
+from simulators.devices.topcon.unit_file import read_unit_types
 from simulators.errors import UserError, unknown
 from simulators.resources import od_file
-from simulators.yaml_file import read_table
 
 
 def output_stage(settings: Settings) -> OutputStage:
@@ -54,7 +54,7 @@ def find(name: str, extra: str = "") -> UnitType:
     Raises:
         UserError: there is none, or a file is not what it should be.
     """
-    known = {**_shipped(), **(read_table(Path(extra), unit_types) if extra else {})}
+    known = {**_shipped(), **(read_unit_types(Path(extra)) if extra else {})}
     if name not in known:
         raise unknown("unit type", name, known)
     return known[name]
@@ -63,4 +63,4 @@ def find(name: str, extra: str = "") -> UnitType:
 @cache
 def _shipped() -> Mapping[str, UnitType]:
     with od_file("topcon_units.yaml") as path:
-        return read_table(path, unit_types)
+        return read_unit_types(path)

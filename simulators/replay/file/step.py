@@ -33,8 +33,8 @@ Faults = Annotated[
 ]
 
 
-class Deed(Table):
-    """What is done, and to which node."""
+class AnyStep(Table):
+    """What is done, and to which node; a step of the cleanup says no more than this."""
 
     rules: ClassVar[tuple[Rule, ...]] = (
         OneOf("to do", VERBS),
@@ -85,10 +85,10 @@ class Deed(Table):
     """Watches, and decides."""
 
 
-class Step(Deed):
+class Step(AnyStep):
     """What is done, to which node, and when."""
 
-    rules = (OneOf("says when", MOMENTS), *Deed.rules)
+    rules = (OneOf("says when", MOMENTS), *AnyStep.rules)
 
     at: Seconds | None = None
     """Seconds since the beginning; steps stand in the order of their times."""

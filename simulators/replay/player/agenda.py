@@ -1,4 +1,4 @@
-"""What is left of a course, and when it is over."""
+"""What is left of a sequence of steps, and when it is over."""
 
 from collections.abc import Callable, Iterator, Sequence
 

@@ -1,4 +1,4 @@
-"""The player: it hears the bus, and lets the steps and then the cleanup take their course."""
+"""The player: it hears the bus, and lets the steps come and then the cleanup."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -7,14 +7,14 @@ from simulators.clock import MICROSECONDS, microseconds
 from simulators.errors import UserError
 from simulators.node import Node
 from simulators.replay.player.client import Client
-from simulators.replay.player.course import Course
-from simulators.replay.player.crew import Crew
 from simulators.replay.player.events import Event
+from simulators.replay.player.happenings import Happenings
 from simulators.replay.player.healing import Healing
 from simulators.replay.player.judge import Judge
 from simulators.replay.player.needs import needs
 from simulators.replay.player.scenes import Scenes
-from simulators.replay.player.senses import Senses
+from simulators.replay.player.sequencer import Sequencer
+from simulators.replay.player.tools import Tools
 from simulators.replay.player.watch import GRAIN
 from simulators.replay.scenario import Scenario, Step
 from simulators.replay.signs import Entered, Written
@@ -49,24 +49,24 @@ class Player:
         self._names = {id(node): name for name, node in self._nodes.items()}
         self._wire = segment.master(NAME)
         self._begin = clock.ticks
-        self._senses = Senses(self._nodes, clock)
+        self._happenings = Happenings(self._nodes, clock)
         self._scenes = Scenes(self._nodes, self._time)
         self._judge = Judge(self._scenes, self._time, self._tell_outcome)
         self._clients = {
             name: Client(node, clock, self._send) for name, node in self._nodes.items()
         }
-        crew = Crew(
+        tools = Tools(
             self._nodes,
             clock,
-            self._senses,
+            self._happenings,
             self._clients,
             Healing(self._tell_fault),
             self._judge,
             self._send,
             self._tell,
         )
-        self._steps = Course(scenario.steps, crew, self._clean_up, scenario.duration)
-        self._cleanup = Course(scenario.cleanup, crew, strict=False)
+        self._steps = Sequencer(scenario.steps, tools, self._clean_up, scenario.duration)
+        self._cleanup = Sequencer(scenario.cleanup, tools, strict=False)
 
     def start(self) -> None:
         """The scenario begins now; its first steps come with the next move of the clock."""
@@ -76,9 +76,9 @@ class Player:
             node.listeners.append(partial(self._tell_state, name))
         for watched, sign in needs(self.scenario):
             if isinstance(sign, Entered):
-                self._senses.attend_to_states(self._nodes[watched])
+                self._happenings.attend_to_states(self._nodes[watched])
             elif isinstance(sign, Written):
-                self._senses.attend_to_writes(self._nodes[watched])
+                self._happenings.attend_to_writes(self._nodes[watched])
         limit = self._begin + microseconds(LONGEST) + GRAIN
         self._limit = self._clock.at_tick(limit, self._steps.expire)
         self._steps.start()
@@ -93,7 +93,7 @@ class Player:
     @property
     def horizon(self) -> float:
         """Time of the clock before which the run is not over, unless an error ends it."""
-        horizons = [course.agenda.horizon for course in (self._steps, self._cleanup)]
+        horizons = [sequencer.agenda.horizon for sequencer in (self._steps, self._cleanup)]
         return (max(horizons) + GRAIN) / MICROSECONDS
 
     @property
@@ -109,7 +109,7 @@ class Player:
         if frame.can_id in ANSWERS:
             for client in self._clients.values():
                 client.hear(frame)
-        self._senses.hear(frame, sender)
+        self._happenings.hear(frame, sender)
 
     def _send(self, frame: Frame) -> None:
         self._wire.put(frame)

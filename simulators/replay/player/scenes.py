@@ -4,7 +4,7 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 
 from simulators.node import Node
-from simulators.report import SHOWN, device_story, last_frames
+from simulators.report import SHOWN, device_report, last_frames
 from simulators.segment import Record
 from simulators.wire import Frame
 
@@ -14,15 +14,15 @@ AFTERWARDS = 5  # frames
 class Scene:
     """The last frames, how the nodes are at this moment, and the first frames after it.
 
-    `stories` say how the nodes are, and why they answered as they did.
+    `reports` say how the nodes are, and why they answered as they did.
     """
 
     def __init__(
-        self, before: Sequence[Record], nodes: Sequence[Node], time: float, stories: Sequence[str]
+        self, before: Sequence[Record], nodes: Sequence[Node], time: float, reports: Sequence[str]
     ) -> None:
         self._nodes = nodes
         self._before = last_frames(before, nodes)
-        self._state = "\n".join(stories)
+        self._state = "\n".join(reports)
         self._mark = f"{time:12.6f}  ---- here"
         self._after: list[Record] = []
 
@@ -70,8 +70,8 @@ class Scenes:
     def look(self, time: float, about: str, wanted: str) -> Scene:
         """The scene of this moment, as it is: what was wanted, of the node it is about."""
         records = [Record(self._time(tick), frame, sender) for tick, frame, sender in self._recent]
-        stories = [
-            device_story(node, records, -self._time(0), wanted if name == about else "")
+        reports = [
+            device_report(node, records, -self._time(0), wanted if name == about else "")
             for name, node in self._nodes.items()
         ]
-        return Scene(records, tuple(self._nodes.values()), time, stories)
+        return Scene(records, tuple(self._nodes.values()), time, reports)

@@ -5,16 +5,16 @@ from __future__ import annotations
 from typing import Protocol
 
 from simulators.clock import Timer, microseconds
-from simulators.replay.player.alarm import Alarm
-from simulators.replay.player.crew import Crew
-from simulators.replay.player.performance import Court, Performance
-from simulators.replay.player.senses import Position
+from simulators.replay.player.execution import Execution, ExecutionListener
+from simulators.replay.player.happenings import Position
+from simulators.replay.player.tools import Tools
+from simulators.replay.player.trigger import Trigger
 from simulators.replay.scenario import Condition, Step
 
 WHOLE_MOMENT = Position(-1, 0)
 
 
-class Follower(Court, Protocol):
+class StepListener(ExecutionListener, Protocol):
     """What a turn tells of itself to those it belongs to."""
 
     @property
@@ -31,15 +31,15 @@ class Follower(Court, Protocol):
 class Turn:
     """`scheduled`: its moment is known; `over`: it has been carried out, or never will be."""
 
-    def __init__(self, step: Step, crew: Crew, follower: Follower) -> None:
+    def __init__(self, step: Step, tools: Tools, listener: StepListener) -> None:
         self.step = step
         self.scheduled = self.over = False
-        self._crew = crew
-        self._follower = follower
-        self._performance = Performance(step, crew, follower, self._end_if_done)
+        self._tools = tools
+        self._listener = listener
+        self._execution = Execution(step, tools, listener, self._end_if_done)
         self._rounds = 0
         self._timer: Timer | None = None
-        self._alarm: Alarm | None = None
+        self._trigger: Trigger | None = None
 
     @property
     def begun(self) -> bool:
@@ -49,57 +49,57 @@ class Turn:
     @property
     def waiting(self) -> bool:
         """Whether it waits for a condition."""
-        return self._alarm is not None and not self.scheduled
+        return self._trigger is not None and not self.scheduled
 
     @property
     def broken(self) -> bool:
         """Whether it could not be carried out."""
-        return self._performance.broken
+        return self._execution.broken
 
     @property
     def since(self) -> Position:
         """Behind what set it off, if that was at this microsecond."""
-        return self._performance.since
+        return self._execution.since
 
     def schedule(self, tick: int, since: Position = WHOLE_MOMENT) -> None:
         """Carry it out at a microsecond; what happens there counts from a position on."""
         self.scheduled = True
-        self._performance.since = since
-        self._timer = self._crew.clock.at_tick(tick, self._carry_out)
+        self._execution.since = since
+        self._timer = self._tools.clock.at_tick(tick, self._carry_out)
 
     def watch(self, condition: Condition, since: Position) -> None:
         """Carry it out when a condition is met from a position on."""
-        self._alarm = Alarm(condition, self._crew, self._set_off)
-        self._alarm.set(since)
+        self._trigger = Trigger(condition, self._tools, self._set_off)
+        self._trigger.set(since)
 
     def drop(self) -> None:
         """Carry it out no more."""
         self.over = True
         if self._timer is not None:
             self._timer.cancel()
-        if self._alarm is not None:
-            self._alarm.stop()
+        if self._trigger is not None:
+            self._trigger.stop()
 
     def _set_off(self) -> None:
-        here = self._crew.senses.position
-        self.schedule(self._crew.clock.ticks, here)  # not in the middle of what happens
-        self._follower.begins(self, here)
+        here = self._tools.happenings.position
+        self.schedule(self._tools.clock.ticks, here)  # not in the middle of what happens
+        self._listener.begins(self, here)
 
     def _carry_out(self) -> None:
-        crew, step = self._crew, self.step
-        if self._follower.stopped:
+        tools, step = self._tools, self.step
+        if self._listener.stopped:
             return
-        if not self.begun and self._alarm is None:
-            self._follower.begins(self, crew.senses.position)
+        if not self.begun and self._trigger is None:
+            self._listener.begins(self, tools.happenings.position)
         self._rounds += 1
         if self._rounds < step.times:
-            tick = crew.clock.ticks + microseconds(step.every)
-            self._timer = crew.clock.at_tick(tick, self._carry_out)
-        crew.tell(step.node, "step", {"line": step.line, "what": str(step.action)})
-        self._performance.give()
+            tick = tools.clock.ticks + microseconds(step.every)
+            self._timer = tools.clock.at_tick(tick, self._carry_out)
+        tools.tell(step.node, "step", {"line": step.line, "what": str(step.action)})
+        self._execution.run()
         self._end_if_done()
 
     def _end_if_done(self) -> None:
-        if self._rounds == self.step.times and not self._performance.asks and not self.over:
+        if self._rounds == self.step.times and not self._execution.asks and not self.over:
             self.over = True
-            self._follower.ends(self)
+            self._listener.ends(self)

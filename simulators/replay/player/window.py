@@ -5,8 +5,8 @@ from functools import partial
 
 from simulators.clock import Timer, microseconds
 from simulators.replay.expect import Expectation
-from simulators.replay.player.crew import Crew
-from simulators.replay.player.senses import Position
+from simulators.replay.player.happenings import Position
+from simulators.replay.player.tools import Tools
 from simulators.replay.player.watch import GRAIN, Watch
 from simulators.replay.scenario import Condition, Step
 from simulators.replay.signs import Happening, Sign
@@ -18,11 +18,11 @@ Decide = Callable[["Window", Finding, int], None]
 class Window:
     """Tells `decide` once, with the moment of it; begins at a position of what happens."""
 
-    def __init__(self, step: Step, expectation: Expectation, crew: Crew, decide: Decide) -> None:
+    def __init__(self, step: Step, expectation: Expectation, tools: Tools, decide: Decide) -> None:
         self.step = step
         self._expectation = expectation
-        self._crew = crew
-        self._clock = crew.clock
+        self._tools = tools
+        self._clock = tools.clock
         self._decide = decide
         self._timer: Timer | None = None
         seconds = expectation.seconds
@@ -36,18 +36,18 @@ class Window:
             self._watches.append(self._end_watch(before))
 
     def _watch(self, parts: Sequence[Sign]) -> Watch:
-        return Watch(parts, self._crew.nodes[self.step.node], self._clock, self._seen)
+        return Watch(parts, self._tools.nodes[self.step.node], self._clock, self._seen)
 
     def _end_watch(self, before: Condition) -> Watch:
         came = partial(self._came_before, before.what)
         return Watch(
-            before.what.parts, self._crew.nodes[before.node], self._clock, came, before.nth
+            before.what.parts, self._tools.nodes[before.node], self._clock, came, before.nth
         )
 
     def open(self, since: Position) -> None:
         """Hear what has happened already at this microsecond, and everything from now on."""
-        self._crew.senses.listen(self._hear)
-        for happening in self._crew.senses.since(since):
+        self._tools.happenings.listen(self._hear)
+        for happening in self._tools.happenings.since(since):
             self._hear(happening)
 
     def close(self) -> None:
@@ -95,7 +95,7 @@ class Window:
         self._decide(self, finding, tick)
 
     def _stop(self) -> None:
-        self._crew.senses.ignore(self._hear)
+        self._tools.happenings.ignore(self._hear)
         if self._timer is not None:
             self._timer.cancel()
         for watch in self._watches:

@@ -3,10 +3,10 @@
 from simulators.documents.document import Item
 from simulators.documents.problems import Noted
 from simulators.replay.expect import Expectation
-from simulators.replay.file.step import Deed
+from simulators.replay.file.step import AnyStep
 from simulators.replay.file.step import Step as Told
-from simulators.replay.reading.cast import Cast
-from simulators.replay.reading.sights import condition
+from simulators.replay.reading.participants import Participants
+from simulators.replay.reading.signs import condition
 from simulators.replay.reading.verbs import action
 from simulators.replay.scenario import Action, After, At, Moment, Step
 
@@ -14,18 +14,18 @@ from simulators.replay.scenario import Action, After, At, Moment, Step
 class StepReader:
     """Reads one step after the other; notes as a problem what is wrong with one and goes on."""
 
-    def __init__(self, cast: Cast) -> None:
+    def __init__(self, participants: Participants) -> None:
         self.steps: list[Step] = []
-        self._cast = cast
+        self._participants = participants
         self._latest = 0.0
 
-    def read(self, told: Deed) -> None:
+    def read(self, told: AnyStep) -> None:
         """Take the next step."""
         problems, place = told.place.problems, told.place
         does: Action | None = None
         moment: Moment | None = None
         with problems.at(place):
-            does = action(told, self._cast)
+            does = action(told, self._participants)
         with problems.at(place):
             moment = self._moment(told)
         if does is None or moment is None:
@@ -34,7 +34,7 @@ class StepReader:
             self._check_order(place, moment, does)
             self.steps.append(_step(told, moment, does, self._name(told)))
 
-    def _moment(self, told: Deed) -> Moment:
+    def _moment(self, told: AnyStep) -> Moment:
         if told.after is not None:
             return After(told.after.seconds)
         if not isinstance(told, Told):
@@ -42,7 +42,7 @@ class StepReader:
         if told.at is not None:
             return At(self._at(told.at))
         if told.when is not None:
-            return condition(told.when, told.node, self._cast)
+            return condition(told.when, told.node, self._participants)
         raise Noted  # as a problem of its value
 
     def _at(self, at: Item) -> float:
@@ -51,11 +51,11 @@ class StepReader:
         self._latest = at.seconds
         return at.seconds
 
-    def _name(self, told: Deed) -> str:
+    def _name(self, told: AnyStep) -> str:
         """What is sent is sent to no node in particular."""
         if told.send is not None and told.node is None:
             return ""
-        return self._cast.rehearsal(told.node, told.place).name
+        return self._participants.dry_run(told.node, told.place).name
 
     def _check_order(self, place: Item, moment: Moment, does: Action) -> None:
         """What is expected of a moment is judged when it is over, so it stands behind."""
@@ -67,7 +67,7 @@ class StepReader:
             raise place.wrong("put it before what is expected at the same time, or give it a later")
 
 
-def _step(told: Deed, moment: Moment, does: Action, node: str) -> Step:
+def _step(told: AnyStep, moment: Moment, does: Action, node: str) -> Step:
     return Step(
         moment,
         node,

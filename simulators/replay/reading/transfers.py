@@ -4,9 +4,9 @@ from collections.abc import Mapping
 
 from simulators.documents.document import Item
 from simulators.replay.access import PATIENCE, Download, Read, Write
-from simulators.replay.file.step import Deed
+from simulators.replay.file.step import AnyStep
+from simulators.replay.reading.dry_run import DryRun
 from simulators.replay.reading.payload import check_readable, check_writable, encode
-from simulators.replay.reading.rehearsal import Rehearsal
 from simulators.replay.reading.values import Told, wanted
 from simulators.replay.scenario import Action
 from simulators.replay.sdo import ACCEPTED
@@ -16,24 +16,24 @@ from simulators.replay.words import NONE
 HIGHEST = 0xFFFF_FFFF
 
 
-def write(told: Mapping[Item, Item], step: Deed, rehearsal: Rehearsal) -> Action:
+def write(told: Mapping[Item, Item], step: AnyStep, dry_run: DryRun) -> Action:
     """`{Run command: 1}`, `{0x1800:02: 253}`; with `abort` the one object is refused."""
     refused = _is_refused(step, "write")
     downloads = []
     for name, value in told.items():
         with name.problems.at(name):
-            downloads.append(_download(name, value, rehearsal, refused))
+            downloads.append(_download(name, value, dry_run, refused))
     return Write(tuple(downloads), _abort(step.abort), _timeout(step))
 
 
-def read(told: Told, step: Deed, rehearsal: Rehearsal) -> Action:
+def read(told: Told, step: AnyStep, dry_run: DryRun) -> Action:
     """`{Actual voltage: {min: 5}}`, `{Firmware: any}`; with `abort` the one object is refused."""
     refused = _is_refused(step, "read")
 
     def find(name: Item) -> Target:
         if refused:
-            return rehearsal.targets.find_any(name)
-        target = rehearsal.targets.find(name)
+            return dry_run.targets.find_any(name)
+        target = dry_run.targets.find(name)
         if target.variable is not None:
             check_readable(target.variable)
         return target
@@ -41,7 +41,7 @@ def read(told: Told, step: Deed, rehearsal: Rehearsal) -> Action:
     return Read(wanted(told, find), _abort(step.abort), _timeout(step))
 
 
-def _is_refused(step: Deed, verb: str) -> bool:
+def _is_refused(step: AnyStep, verb: str) -> bool:
     objects = step.place.pairs[verb].value
     if step.abort is not None and len(objects.pairs) > 1:
         raise objects.wrong("one object at a time can be refused; make it several steps")
@@ -54,12 +54,12 @@ def _abort(code: Item | None) -> int | None:
     return None if code.text == NONE else code.whole
 
 
-def _timeout(step: Deed) -> float:
+def _timeout(step: AnyStep) -> float:
     return PATIENCE if step.timeout is None else step.timeout.seconds
 
 
-def _download(name: Item, value: Item, rehearsal: Rehearsal, refused: bool) -> Download:
-    find = rehearsal.targets.find_any if refused else rehearsal.targets.find
+def _download(name: Item, value: Item, dry_run: DryRun, refused: bool) -> Download:
+    find = dry_run.targets.find_any if refused else dry_run.targets.find
     target = find(name)
     if target.variable is None:
         return Download(target, value.whole_up_to(HIGHEST).to_bytes(4, "little"), value.text)

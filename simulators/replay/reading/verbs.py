@@ -7,9 +7,9 @@ from simulators.documents.problems import Noted
 from simulators.replay.actions import Clear, Inject, Nmt, Power, Send, Set
 from simulators.replay.expect import Expectation
 from simulators.replay.file.signs import Expect
-from simulators.replay.file.step import Deed
-from simulators.replay.reading.cast import Cast
-from simulators.replay.reading.sights import condition, expectation
+from simulators.replay.file.step import AnyStep
+from simulators.replay.reading.participants import Participants
+from simulators.replay.reading.signs import condition, expectation
 from simulators.replay.reading.transfers import read, write
 from simulators.replay.scenario import Action, Condition
 from simulators.replay.signs import COMMANDS
@@ -19,7 +19,7 @@ from simulators.wire import Frame
 Values = Mapping[Item, Item]
 
 
-def action(step: Deed, cast: Cast) -> Action:
+def action(step: AnyStep, participants: Participants) -> Action:
     """What a step does.
 
     Raises:
@@ -28,61 +28,67 @@ def action(step: Deed, cast: Cast) -> Action:
     for verb, mean in VERBS.items():
         if (told := getattr(step, verb)) is not None:
             with step.place.pairs[verb].value.blamed():
-                return mean(told, step, cast)
+                return mean(told, step, participants)
     raise Noted  # as a problem of its value
 
 
-def _set(told: Values, step: Deed, cast: Cast) -> Action:
-    return Set(cast.rehearsal(step.node, step.place).set(told))
+def _set(told: Values, step: AnyStep, participants: Participants) -> Action:
+    return Set(participants.dry_run(step.node, step.place).set(told))
 
 
-def _send(told: Item, step: Deed, cast: Cast) -> Action:
+def _send(told: Item, step: AnyStep, participants: Participants) -> Action:
     return Send(Frame.parse(told.text))
 
 
-def _nmt(told: Item, step: Deed, cast: Cast) -> Action:
-    cast.rehearsal(step.node, step.place)
+def _nmt(told: Item, step: AnyStep, participants: Participants) -> Action:
+    participants.dry_run(step.node, step.place)
     return Nmt(COMMANDS[told.text])
 
 
-def _power(told: Item, step: Deed, cast: Cast) -> Action:
-    cast.rehearsal(step.node, step.place)
+def _power(told: Item, step: AnyStep, participants: Participants) -> Action:
+    participants.dry_run(step.node, step.place)
     return Power(SWITCHES[told.text])
 
 
-def _inject(told: Item | Mapping[Item, Values], step: Deed, cast: Cast) -> Action:
-    rehearsal = cast.rehearsal(step.node, step.place)
-    lasts = _lasts(step, cast)
+def _inject(
+    told: Item | Mapping[Item, Values], step: AnyStep, participants: Participants
+) -> Action:
+    dry_run = participants.dry_run(step.node, step.place)
+    lasts = _lasts(step, participants)
     value = step.place.pairs["inject"].value
     faults = {}
     for name, given in ({told: {}} if isinstance(told, Item) else told).items():
         with name.problems.at(value.pairs[name.text].value if value.is_mapping else name):
-            faults[name.text] = rehearsal.inject(name, given)
+            faults[name.text] = dry_run.inject(name, given)
             if lasts is not None:
-                rehearsal.heal(name)
+                dry_run.heal(name)
     return Inject(faults, lasts)
 
 
-def _lasts(step: Deed, cast: Cast) -> float | Condition | None:
+def _lasts(step: AnyStep, participants: Participants) -> float | Condition | None:
     if step.until is not None:
-        return condition(step.until, step.node, cast)
+        return condition(step.until, step.node, participants)
     return None if step.lasts is None else step.lasts.seconds
 
 
-def _clear(told: Item, step: Deed, cast: Cast) -> Action:
+def _clear(told: Item, step: AnyStep, participants: Participants) -> Action:
     fault = None if told.text == ALL_FAULTS else told.text
-    cast.rehearsal(step.node, step.place).clear(fault)
+    participants.dry_run(step.node, step.place).clear(fault)
     return Clear(fault)
 
 
-def _expect(told: Expect, step: Deed, cast: Cast) -> Expectation:
-    return expectation(told, step.node, cast)
+def _expect(told: Expect, step: AnyStep, participants: Participants) -> Expectation:
+    return expectation(told, step.node, participants)
 
 
 VERBS: Mapping[str, Callable[..., Action]] = {
     "set": _set,
-    "write": lambda told, step, cast: write(told, step, cast.rehearsal(step.node, step.place)),
-    "read": lambda told, step, cast: read(told, step, cast.rehearsal(step.node, step.place)),
+    "write": lambda told, step, participants: write(
+        told, step, participants.dry_run(step.node, step.place)
+    ),
+    "read": lambda told, step, participants: read(
+        told, step, participants.dry_run(step.node, step.place)
+    ),
     "send": _send,
     "nmt": _nmt,
     "power": _power,

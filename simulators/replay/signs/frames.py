@@ -8,10 +8,9 @@ from re import Pattern
 from simulators.node import Node
 from simulators.replay.signs.sign import Happening, Sent, Sign
 from simulators.services import State
+from simulators.services.emcy import EMCY_LENGTH, emcy_id, emcy_of
 from simulators.services.heartbeat import STATE_BYTE
 from simulators.wire import Frame, pattern
-
-EMCY_LENGTH = 8
 
 
 class FrameSign(Sign):
@@ -104,7 +103,7 @@ class EmcyLike(FrameSign):
         return self.resembles(frame, node) and all(
             wanted in (None, found)
             for wanted, found in zip(
-                (self.code, self.register, self.detail), _fields(frame.data), strict=True
+                (self.code, self.register, self.detail), _fields(frame), strict=True
             )
         )
 
@@ -114,7 +113,7 @@ class EmcyLike(FrameSign):
 
     def words(self, frame: Frame) -> str:
         """Code, register and detail."""
-        return _emcy(*_fields(frame.data))
+        return _emcy(*_fields(frame))
 
     def __str__(self) -> str:
         any_emcy = self == EmcyLike()
@@ -151,8 +150,9 @@ def _whose(sign: FrameSign) -> str:
     return " of the master" if sign.by_master else ""
 
 
-def _fields(data: bytes) -> tuple[int, int, int]:
-    return int.from_bytes(data[:2], "little"), data[2], int.from_bytes(data[3:], "little")
+def _fields(frame: Frame) -> tuple[int, int, int]:
+    told = emcy_of(frame.data)
+    return told.code, told.register, told.detail
 
 
 def _emcy(code: int | None, register: int | None, detail: int | None) -> str:
@@ -160,8 +160,6 @@ def _emcy(code: int | None, register: int | None, detail: int | None) -> str:
     return "/".join("x" * size if part is None else f"{part:0{size}X}" for part, size in fields)
 
 
-def _emcy_id(node: Node) -> int:
-    slave = node.slave
-    if slave is None or not slave.has(0x1014):
-        return 0x80 + node.node_id
-    return slave.number(0x1014) & 0x7FF
+def _emcy_id(node: Node) -> int | None:
+    """Of a node that has just fallen silent, too: its last one may still be on its way."""
+    return 0x80 + node.node_id if node.slave is None else emcy_id(node.slave)

@@ -6,6 +6,7 @@ from math import inf
 from pathlib import Path
 
 from canopen_fan.motor import Motor
+from simulators.chart import Band, Chart, Curve, Mood
 from simulators.device import Device, NodeSettings
 from simulators.faults import Fault
 from simulators.objects import Address, Object
@@ -13,6 +14,7 @@ from simulators.services.emcy import Emcy
 from simulators.settings import setting
 
 BLOCKED = Emcy(0x7121, 0x81, label="motor blocked")
+FREE, STUCK = Band("free", Mood.ACTIVE), Band("stuck", Mood.ERROR)
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,12 @@ class Fan(Device):
     def report(self) -> Mapping[str, object]:
         """What a failed test shows."""
         return {"speed [rpm]": round(self.motor.speed), "blocked": self.motor.blocked}
+
+    @property
+    def chart(self) -> Chart:
+        """What a picture of a run draws."""
+        speed = Curve("Speed", "rpm", lambda: self.motor.speed, lambda: self.motor.target)
+        return Chart([speed], lambda: STUCK if self.motor.blocked else FREE)
 
     @property
     def rest(self) -> float:

@@ -71,6 +71,6 @@ class Direction(Enum):
 class OutOfRange(ValueError):  # noqa: N818 - a refusal is an answer of the device, not an error
     """A value beyond the limit that another parameter sets; nothing has changed."""
 
-    def __init__(self, parameter: Parameter, value: int, direction: Direction, limit: int) -> None:
-        super().__init__(f"{parameter.name} {value} is {direction.value} {limit}")
+    def __init__(self, value: int, direction: Direction, limit: int, of: Parameter) -> None:
+        super().__init__(f"{value} is {direction.value} {limit} (0x2002:{of.value:02X})")
         self.direction = direction

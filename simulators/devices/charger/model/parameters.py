@@ -41,9 +41,9 @@ class Parameters:
         """
         low, high = LIMITS.get(parameter, (None, None))
         if high is not None and value > self[high]:
-            raise OutOfRange(parameter, value, Direction.HIGH, self[high])
+            raise OutOfRange(value, Direction.HIGH, self[high], high)
         if low is not None and value < self[low]:
-            raise OutOfRange(parameter, value, Direction.LOW, self[low])
+            raise OutOfRange(value, Direction.LOW, self[low], low)
         self._put(parameter, value)
 
     def percent_of_maximum(self, percent: float) -> int:

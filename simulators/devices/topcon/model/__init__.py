@@ -14,7 +14,6 @@ from simulators.devices.topcon.model.loads import (
 from simulators.devices.topcon.model.modes import Mode, State
 from simulators.devices.topcon.model.stage import OutputStage
 from simulators.devices.topcon.model.unit import Connection, UnitType
-from simulators.devices.topcon.model.unit_file import unit_types
 
 __all__ = [
     "Battery",
@@ -31,5 +30,4 @@ __all__ = [
     "State",
     "UnitType",
     "parse_load",
-    "unit_types",
 ]

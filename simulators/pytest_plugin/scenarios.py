@@ -1,7 +1,7 @@
 """`*.twin.yaml` as tests, and verdicts as pytest tells them.
 
-A story is played in the set-up of its test. What it says of who is tested is the outcome of the
-test itself; that it could not be told at all is an error, and one in the set-up is what pytest and
+A scenario is played in the set-up of its test. What it says of who is tested is the outcome of the
+test itself; that it could not be carried out is an error, and one in the set-up is what pytest and
 CI tell apart from a failure.
 """
 
@@ -55,21 +55,21 @@ def judge(verdicts: Iterable[Verdict]) -> None:
 
 
 def settle(item: pytest.Item) -> None:
-    """Play the rest of the stories of a test, note what came of them, and judge them."""
+    """Play the rest of the scenarios of a test, note what came of them, and judge them."""
     if TOLD not in item.stash:
         return
-    for story in item.stash[TOLD]:
-        story.finish()
+    for bench in item.stash[TOLD]:
+        bench.finish()
     note(item)
-    verdicts = [story.verdict for story in item.stash[TOLD]]
+    verdicts = [bench.verdict for bench in item.stash[TOLD]]
     del item.stash[TOLD]
     judge(verdicts)
 
 
 def note(item: pytest.Item) -> None:
     """Keep the verdicts of a test so far as its properties, for `--junitxml` and others."""
-    for story in item.stash.get(TOLD, []):
-        keep(item, story.verdict)
+    for bench in item.stash.get(TOLD, []):
+        keep(item, bench.verdict)
 
 
 def keep(item: pytest.Item, verdict: Verdict) -> None:
@@ -79,7 +79,7 @@ def keep(item: pytest.Item, verdict: Verdict) -> None:
     item.user_properties.extend(properties(verdict))
 
 
-class StoryFile(pytest.File):
+class ScenarioFile(pytest.File):
     """A file with one scenario, which is one test."""
 
     def collect(self) -> Iterable[pytest.Item]:
@@ -89,10 +89,10 @@ class StoryFile(pytest.File):
         except UserError as mistakes:
             raise self.CollectError(str(mistakes)) from None
         name = " ".join(scenario.name.split()).replace("::", ":")  # two would split node ids
-        yield StoryItem.from_parent(self, name=name or self.path.stem, scenario=scenario)
+        yield ScenarioItem.from_parent(self, name=name or self.path.stem, scenario=scenario)
 
 
-class StoryItem(pytest.Item):
+class ScenarioItem(pytest.Item):
     """One scenario; `-k` finds it by its name, its file, its nodes and what it covers."""
 
     verdict: Verdict
@@ -103,7 +103,7 @@ class StoryItem(pytest.Item):
         self.extra_keyword_matches.update(scenario.nodes, scenario.covers)
 
     def setup(self) -> None:
-        """Play it; raises if it could not be told."""
+        """Play it; raises if it could not be carried out."""
         from simulators.replay import Kind, play  # noqa: PLC0415
 
         self.verdict = play(self.scenario)

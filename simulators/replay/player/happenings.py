@@ -22,7 +22,7 @@ class Position(NamedTuple):
     passed: int
 
 
-class Senses:
+class Happenings:
     """Keeps what has happened at this microsecond, so that who comes late hears it too.
 
     States and writes cost something with every frame, so they are followed only at nodes that

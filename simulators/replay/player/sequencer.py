@@ -5,8 +5,8 @@ from collections.abc import Callable, Sequence
 from simulators.clock import microseconds
 from simulators.replay.expect import Expectation
 from simulators.replay.player.agenda import UNDECIDED, Agenda
-from simulators.replay.player.crew import Crew
-from simulators.replay.player.senses import Position
+from simulators.replay.player.happenings import Position
+from simulators.replay.player.tools import Tools
 from simulators.replay.player.turn import WHOLE_MOMENT, Turn
 from simulators.replay.player.window import Window
 from simulators.replay.scenario import After, At, Condition, Step
@@ -15,7 +15,7 @@ from simulators.replay.verdict import Finding, Kind
 NEVER_CAME = Finding(Kind.ERROR, "its moment never came")
 
 
-class Course:
+class Sequencer:
     """Calls `tell_over` once it is over, which is not before `duration` in seconds.
 
     With `strict`, the first error ends it at once.
@@ -24,21 +24,21 @@ class Course:
     def __init__(
         self,
         steps: Sequence[Step],
-        crew: Crew,
+        tools: Tools,
         tell_over: Callable[[], None] = lambda: None,
         duration: float = 0.0,
         strict: bool = True,
     ) -> None:
         self.over = False
-        self._crew = crew
-        self._clock = crew.clock
+        self._tools = tools
+        self._clock = tools.clock
         self._tell_over = tell_over
         self._duration = duration
         self._strict = strict
-        self._turns = [Turn(step, crew, self) for step in steps]
+        self._turns = [Turn(step, tools, self) for step in steps]
         self._after = dict(zip(self._turns, self._turns[1:], strict=False))
         self._errors: list[Step] = []
-        self.agenda = Agenda(self._turns, crew.clock, self._end)
+        self.agenda = Agenda(self._turns, tools.clock, self._end)
 
     def start(self) -> None:
         """It begins now; its first steps come with the next move of the clock."""
@@ -47,8 +47,8 @@ class Course:
             if isinstance(turn.step.moment, At):
                 self._schedule(turn, self._clock.ticks + microseconds(turn.step.moment.seconds))
         for turn in self._turns[:1]:
-            self._prepare(turn, self._crew.senses.position)
-            self._follow(turn, self._crew.senses.position)
+            self._prepare(turn, self._tools.happenings.position)
+            self._follow(turn, self._tools.happenings.position)
         self.agenda.settle()
 
     def expire(self) -> None:
@@ -92,7 +92,7 @@ class Course:
     def decides(self, window: Window, finding: Finding, tick: int) -> None:
         """It is."""
         self.agenda.windows.remove(window)
-        self._crew.judge.decide(window.step, finding, tick)
+        self._tools.judge.decide(window.step, finding, tick)
         self.agenda.settle()
 
     def heals(self, tick: int) -> None:
@@ -142,7 +142,7 @@ class Course:
             self._give_up(turn, NEVER_CAME)
         for turn in list(self.agenda.turns):
             self._give_up(turn, self._left_out())
-        for client in self._crew.clients.values():
+        for client in self._tools.clients.values():
             client.drop()
 
     def _drop(self, window: Window, finding: Finding) -> None:
@@ -157,7 +157,7 @@ class Course:
             self._decide(turn.step, finding)
 
     def _decide(self, step: Step, finding: Finding) -> None:
-        self._crew.judge.decide(step, finding, self._clock.ticks)
+        self._tools.judge.decide(step, finding, self._clock.ticks)
         if finding.kind is Kind.ERROR:
             self._errors.append(step)
 

@@ -4,11 +4,11 @@ from collections.abc import Iterable
 
 from simulators.record.recorded import Recorded
 from simulators.record.trace import Observer
-from simulators.replay import Player, play
+from simulators.replay import Player, begin, play
 from simulators.segment import Segment
 
 
-def again(recorded: Recorded, observers: Iterable[Observer]) -> None:
+def reproduce(recorded: Recorded, observers: Iterable[Observer]) -> None:
     """The same devices and scenario, and what the record has heard from outside at its times.
 
     Raises:
@@ -21,12 +21,7 @@ def again(recorded: Recorded, observers: Iterable[Observer]) -> None:
     segment, heard = Segment(), recorded.heard
     nodes = {part.name: segment.node(part.create(), part.name) for part in recorded.about.nodes}
     player = Player(scenario, segment, nodes) if scenario else None
-    for attach in observers:
-        attach(segment, player)
-    if player is not None:
-        player.start()
-    for node in nodes.values():
-        node.power_on()
+    begin(segment, player, observers)
     segment.deliver()
     for time, frame in heard:
         segment.advance_to(time)

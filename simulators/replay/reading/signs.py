@@ -6,8 +6,8 @@ from simulators.documents.document import Item
 from simulators.documents.problems import Noted
 from simulators.replay.expect import Expectation
 from simulators.replay.file import signs as keys
-from simulators.replay.reading.cast import Cast
-from simulators.replay.reading.rehearsal import Rehearsal
+from simulators.replay.reading.dry_run import DryRun
+from simulators.replay.reading.participants import Participants
 from simulators.replay.reading.values import Told, wanted
 from simulators.replay.scenario import Condition
 from simulators.replay.signs import (
@@ -25,30 +25,30 @@ from simulators.replay.signs import (
 from simulators.replay.words import HEARTBEATS, NONE, STATES
 
 
-def condition(told: keys.Condition, node: Item | None, cast: Cast) -> Condition:
+def condition(told: keys.Condition, node: Item | None, participants: Participants) -> Condition:
     """What is waited for, at the node that is named there, otherwise at the one given.
 
     Raises:
         UserError: no such node, or no such object there.
     """
-    rehearsal = cast.rehearsal(told.node or node, told.place)
+    dry_run = participants.dry_run(told.node or node, told.place)
     nth = 1 if told.nth is None else told.nth.whole
-    return Condition(sign(told, rehearsal), rehearsal.name, nth)
+    return Condition(sign(told, dry_run), dry_run.name, nth)
 
 
-def expectation(told: keys.Expect, node: Item | None, cast: Cast) -> Expectation:
+def expectation(told: keys.Expect, node: Item | None, participants: Participants) -> Expectation:
     """What should be seen, or never; raises as `condition` does."""
-    rehearsal = cast.rehearsal(node, told.place)
+    dry_run = participants.dry_run(node, told.place)
     within = None if told.within is None else told.within.seconds
-    before = None if told.before is None else condition(told.before, node, cast)
+    before = None if told.before is None else condition(told.before, node, participants)
     if told.silence is not None:
         frame = AnyFrame(by_master=told.sender is not None)
         return Expectation(frame, within, before, never=True)
     never = told.never is not None or _is_none(told.emcy) or _is_none(told.heartbeat)
-    return Expectation(sign(told.never or told, rehearsal), within, before, never)
+    return Expectation(sign(told.never or told, dry_run), within, before, never)
 
 
-def sign(told: keys.Sign, rehearsal: Rehearsal) -> Sign:
+def sign(told: keys.Sign, dry_run: DryRun) -> Sign:
     """The one thing that is told.
 
     Raises:
@@ -56,7 +56,7 @@ def sign(told: keys.Sign, rehearsal: Rehearsal) -> Sign:
     """
     for kind, read in SIGNS.items():
         if (value := getattr(told, kind)) is not None:
-            return read(value, rehearsal, told.sender is not None)
+            return read(value, dry_run, told.sender is not None)
     raise Noted  # as a problem of its value
 
 
@@ -71,7 +71,7 @@ def _emcy(told: Item | keys.Emcy, *_: object) -> Sign:
     return EmcyLike(*(None if field is None else field.whole for field in fields))
 
 
-def _frame(told: Item, _: Rehearsal, by_master: bool) -> Sign:
+def _frame(told: Item, _: DryRun, by_master: bool) -> Sign:
     return FrameLike(told.text.strip().replace(".", "").upper(), by_master)
 
 
@@ -79,16 +79,16 @@ def _heartbeat(told: Item, *_: object) -> Sign:
     return HeartbeatLike(HEARTBEATS.get(told.text))
 
 
-def _value(told: Told, rehearsal: Rehearsal, *_: object) -> Sign:
-    return Holds(wanted(told, rehearsal.targets.find))
+def _value(told: Told, dry_run: DryRun, *_: object) -> Sign:
+    return Holds(wanted(told, dry_run.targets.find))
 
 
 def _state(told: Item, *_: object) -> Sign:
     return Entered(STATES[told.text])
 
 
-def _write(told: Told, rehearsal: Rehearsal, *_: object) -> Sign:
-    return Written(wanted(told, rehearsal.targets.find_any))
+def _write(told: Told, dry_run: DryRun, *_: object) -> Sign:
+    return Written(wanted(told, dry_run.targets.find_any))
 
 
 def _nmt(told: Item, *_: object) -> Sign:
@@ -104,4 +104,4 @@ SIGNS: Mapping[str, Callable[..., Sign]] = {
     "write": _write,
     "nmt": _nmt,
 }
-"""Called with what stands behind the key, the rehearsal of the node, and whether of the master."""
+"""Called with what stands behind the key, the dry run of the node, and whether of the master."""

@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Iterator
 
 from simulators.clock import MICROSECONDS
-from simulators.record.besides import besides
-from simulators.record.difference import Difference, compare
-from simulators.record.events import Happening
-from simulators.record.frames import Sent
+from simulators.record.compare import Difference, compare
+from simulators.record.events import EventLine
+from simulators.record.frames import TimedFrame
+from simulators.record.inputs import other_inputs
 from simulators.record.side import Side
 
 WIDTH = 8  # of the name of a side
@@ -33,7 +33,7 @@ def differences(left: Side, right: Side) -> tuple[bool, str]:
     return True, "\n".join([told, *_others(left, right)])
 
 
-def _frames(found: Difference[Sent], left: Side, right: Side) -> Iterator[str]:
+def _frames(found: Difference[TimedFrame], left: Side, right: Side) -> Iterator[str]:
     yield _same(found.common)
     for sent in found.before:
         yield _line("", left.tell(sent))
@@ -52,7 +52,7 @@ def _same(common: int) -> str:
     return f"the first {_count(common, 'frame')} {'is' if common == 1 else 'are'} the same:"
 
 
-def _what(found: Difference[Sent], left: str, right: str) -> str:
+def _what(found: Difference[TimedFrame], left: str, right: str) -> str:
     """What is another one there."""
     ours, theirs = found.left, found.right
     if not ours or not theirs:
@@ -65,7 +65,7 @@ def _what(found: Difference[Sent], left: str, right: str) -> str:
     return _change(ours[0], theirs[0], left, right)
 
 
-def _change(one: Sent, other: Sent, left: str, right: str) -> str:
+def _change(one: TimedFrame, other: TimedFrame, left: str, right: str) -> str:
     """Of two frames, neither of which comes on the other side."""
     late = abs(one.tick - other.tick) / MICROSECONDS
     later = f", {late:.6f} s later in {right if other.tick > one.tick else left}" if late else ""
@@ -84,7 +84,7 @@ def _change(one: Sent, other: Sent, left: str, right: str) -> str:
     )
 
 
-def _events(found: Difference[Happening], left: Side, right: Side) -> Iterator[str]:
+def _events(found: Difference[EventLine], left: Side, right: Side) -> Iterator[str]:
     for event in found.before:
         yield _line("", str(event))
     for side, events in ((left, found.left), (right, found.right)):
@@ -92,7 +92,7 @@ def _events(found: Difference[Happening], left: Side, right: Side) -> Iterator[s
 
 
 def _others(left: Side, right: Side) -> Iterator[str]:
-    return _block("what is not the same from the beginning:", besides(left, right))
+    return _block("what is not the same from the beginning:", other_inputs(left, right))
 
 
 def _block(title: str, lines: Iterable[str]) -> Iterator[str]:

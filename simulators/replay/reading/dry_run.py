@@ -16,7 +16,7 @@ from simulators.replay.targets import Targets
 SEED = "seed"
 
 
-class Rehearsal:
+class DryRun:
     """Follows the steps as far as settings and faults go."""
 
     def __init__(self, node: Node, seed: int | None) -> None:

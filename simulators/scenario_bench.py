@@ -4,10 +4,10 @@ from simulators.bench import Bench
 from simulators.replay import Player, Scenario, Verdict, finish
 
 
-class Story(Bench):
+class ScenarioBench(Bench):
     """The twins of a scenario with power on, and its steps on their clock.
 
-    Whoever moves the clock meets what happens: `story.run(5)`, or a master in simulated time.
+    Whoever moves the clock meets what happens: `bench.run(5)`, or a master in simulated time.
     """
 
     def __init__(self, scenario: Scenario) -> None:

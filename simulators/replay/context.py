@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from simulators.replay.expect import Expectation
 
 
-class Stage(Protocol):
+class Context(Protocol):
     """One step being carried out."""
 
     @property

@@ -1,4 +1,4 @@
-"""Everybody a step works with."""
+"""What every step of a run works with."""
 
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
@@ -6,18 +6,18 @@ from typing import NamedTuple
 from simulators.clock import Clock
 from simulators.node import Node
 from simulators.replay.player.client import Client
+from simulators.replay.player.happenings import Happenings
 from simulators.replay.player.healing import Healing
 from simulators.replay.player.judge import Judge
-from simulators.replay.player.senses import Senses
 from simulators.wire import Frame
 
 
-class Crew(NamedTuple):
-    """One for all steps of a run."""
+class Tools(NamedTuple):
+    """One of each for all steps."""
 
     nodes: Mapping[str, Node]
     clock: Clock
-    senses: Senses
+    happenings: Happenings
     clients: Mapping[str, Client]
     """By the names of the nodes they ask."""
     healing: Healing

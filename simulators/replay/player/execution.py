@@ -7,10 +7,10 @@ from simulators.clock import microseconds
 from simulators.errors import UserError
 from simulators.node import Node
 from simulators.replay.expect import Expectation
-from simulators.replay.player.alarm import Alarm
 from simulators.replay.player.client import Job
-from simulators.replay.player.crew import Crew
-from simulators.replay.player.senses import Position
+from simulators.replay.player.happenings import Position
+from simulators.replay.player.tools import Tools
+from simulators.replay.player.trigger import Trigger
 from simulators.replay.player.window import Window
 from simulators.replay.scenario import Condition, Step
 from simulators.replay.sdo import Answer, Transfer
@@ -18,8 +18,8 @@ from simulators.replay.verdict import Finding, Kind
 from simulators.wire import Frame
 
 
-class Court(Protocol):
-    """Where a performance leaves what outlives it."""
+class ExecutionListener(Protocol):
+    """Whom an execution tells what outlives it."""
 
     def opens(self, window: Window) -> None:
         """Something is expected from now on."""
@@ -34,21 +34,23 @@ class Court(Protocol):
         """It could not be carried out."""
 
 
-class Performance:
-    """The `Stage` of the action of a step; `answered` is called when it asks nobody any more."""
+class Execution:
+    """The `Context` of the action of a step; `answered` is called when it asks nobody any more."""
 
-    def __init__(self, step: Step, crew: Crew, court: Court, answered: Callable[[], None]) -> None:
+    def __init__(
+        self, step: Step, tools: Tools, listener: ExecutionListener, answered: Callable[[], None]
+    ) -> None:
         self.since = Position(-1, 0)
         """Where the present begins, if it is at this microsecond."""
         self.asks = 0
         """Jobs that the client has not done yet."""
         self.broken = False
         self._step = step
-        self._crew = crew
-        self._court = court
+        self._tools = tools
+        self._listener = listener
         self._all_answered = answered
 
-    def give(self) -> None:
+    def run(self) -> None:
         """Carry the step out once."""
         try:
             self._step.action.carry_out(self)
@@ -58,11 +60,11 @@ class Performance:
     @property
     def node(self) -> Node:
         """The node the step is about."""
-        return self._crew.nodes[self._step.node]
+        return self._tools.nodes[self._step.node]
 
     def send(self, frame: Frame) -> None:
         """Put a frame on the bus as a master."""
-        self._crew.send(frame)
+        self._tools.send(frame)
 
     def ask(
         self,
@@ -72,7 +74,7 @@ class Performance:
     ) -> None:
         """SDO transfers with the node, behind those of the steps before."""
         self.asks += 1
-        client = self._crew.clients[self._step.node]
+        client = self._tools.clients[self._step.node]
         client.ask(Job(transfers, patience, answered, self._answered))
 
     def _answered(self) -> None:
@@ -83,33 +85,33 @@ class Performance:
         self, faults: Mapping[str, Mapping[str, Any]], lasts: float | Condition | None
     ) -> None:
         """Let things go wrong with the node; a condition heals them once it is met."""
-        crew, here = self._crew, self._crew.senses.position
-        crew.healing.inject(self.node, faults)
+        tools, here = self._tools, self._tools.happenings.position
+        tools.healing.inject(self.node, faults)
         if lasts is None:
             return
-        heal = crew.healing.plan(self.node, faults)
+        heal = tools.healing.plan(self.node, faults)
         if isinstance(lasts, Condition):
-            alarm = Alarm(lasts, crew, lambda: crew.clock.at_tick(crew.clock.ticks, heal))
-            alarm.set(here)
+            trigger = Trigger(lasts, tools, lambda: tools.clock.at_tick(tools.clock.ticks, heal))
+            trigger.set(here)
         else:
-            tick = crew.clock.ticks + microseconds(lasts)
-            crew.clock.at_tick(tick, heal)
-            self._court.heals(tick)
+            tick = tools.clock.ticks + microseconds(lasts)
+            tools.clock.at_tick(tick, heal)
+            self._listener.heals(tick)
 
     def clear(self, fault: str | None) -> None:
         """Take a fault of the node away, or all of them."""
-        self._crew.healing.clear(self.node, fault)
+        self._tools.healing.clear(self.node, fault)
 
     def report(self, finding: Finding) -> None:
         """Take what has been decided at once."""
-        self._crew.judge.decide(self._step, finding, self._crew.clock.ticks)
+        self._tools.judge.decide(self._step, finding, self._tools.clock.ticks)
         if finding.kind is Kind.ERROR:
             self.broken = True
-            self._court.breaks(self._step)
+            self._listener.breaks(self._step)
 
     def watch_for(self, expectation: Expectation) -> None:
         """Take what will be decided."""
-        crew = self._crew
-        window = Window(self._step, expectation, crew, self._court.decides)
-        self._court.opens(window)
+        tools = self._tools
+        window = Window(self._step, expectation, tools, self._listener.decides)
+        self._listener.opens(window)
         window.open(self.since)

@@ -3,14 +3,14 @@
 from collections.abc import Iterator, Mapping
 
 from simulators.record.about import About
-from simulators.record.difference import compare
+from simulators.record.compare import compare
 from simulators.record.recorded import Recorded
 from simulators.record.side import Side
 
 LONGEST = 120  # characters of a value
 
 
-def besides(left: Side, right: Side) -> Iterator[str]:
+def other_inputs(left: Side, right: Side) -> Iterator[str]:
     """A line for each: versions, seed, devices, settings, the scenario."""
     if left.recorded is None or right.recorded is None:
         return

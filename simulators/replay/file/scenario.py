@@ -8,7 +8,7 @@ from simulators.documents.document import Item
 from simulators.documents.rules import OneOf
 from simulators.documents.table import IfRight, Leaf, Listed, Table
 from simulators.replay.file.leaves import BY_NAME, Name, Parameters, Seconds, Text, whole
-from simulators.replay.file.step import Deed, Step
+from simulators.replay.file.step import AnyStep, Step
 
 VERSION = 1
 MOST_STEPS, MOST_NODES = 10_000, 127
@@ -50,7 +50,7 @@ class File(Table):
     """Free text."""
 
 
-class Bench(File):
+class BenchFile(File):
     """Several twins on one bus."""
 
     model_config = ConfigDict(title="Bench file")
@@ -59,14 +59,14 @@ class Bench(File):
     """Who is on the bus, by names of your own."""
 
 
-class Story(File):
-    """A story with an end, that is played and judged."""
+class ScenarioFile(File):
+    """Twins and what happens to them; it is played and judged."""
 
     model_config = ConfigDict(title="Scenario")
     rules = (OneOf("says who takes part", ("node", "nodes"), "a scenario"),)
 
     name: Text | None = None
-    """The story in a few words."""
+    """What happens, in a few words."""
     covers: Listed[Text] | None = None
     """The statements it is about, such as T-193."""
     seed: Annotated[Item, whole(0, HIGHEST_SEED)] | None = None
@@ -81,5 +81,5 @@ class Story(File):
     """Who takes part, if it is more than one, by names of your own."""
     steps: Annotated[Listed[IfRight[Step]], Field(max_length=MOST_STEPS)]
     """What happens, in the order of time."""
-    cleanup: Annotated[Listed[IfRight[Deed]], Field(max_length=MOST_STEPS)] | None = None
+    cleanup: Annotated[Listed[IfRight[AnyStep]], Field(max_length=MOST_STEPS)] | None = None
     """Steps that are carried out in the end, whatever came of the others."""

@@ -7,15 +7,15 @@ from simulators.device import Device
 from simulators.documents.document import Item
 from simulators.documents.problems import Mistake, Noted, Placed
 from simulators.errors import UserError, unknown
-from simulators.replay.file.story import Node
+from simulators.replay.file.scenario import Node
 from simulators.replay.load import Find
-from simulators.replay.reading.rehearsal import SEED, Rehearsal
+from simulators.replay.reading.dry_run import SEED, DryRun
 from simulators.replay.scenario import NodeSpec
 from simulators.segment import Segment
 
 
-class Cast:
-    """The nodes of a file, on one bus, each with a rehearsal of its steps.
+class Participants:
+    """The nodes of a file, on one bus, each with a dry run of its steps.
 
     One that cannot take part is noted as a problem; what is told of it is not looked at.
     """
@@ -25,7 +25,7 @@ class Cast:
         self._find = find
         self._seed = seed
         self._names: list[str] = []
-        self._rehearsals: dict[str, Rehearsal] = {}
+        self._dry_runs: dict[str, DryRun] = {}
         self._bus = Segment()
 
     def take(self, name: Item, node: Node | None, place: Item) -> None:
@@ -34,12 +34,12 @@ class Cast:
         with place.problems.at(place):
             if node is not None:
                 spec = self._spec(node)
-                self._rehearsals[name.text] = Rehearsal(
+                self._dry_runs[name.text] = DryRun(
                     self._bus.node(spec.create(), name.text), self._seed
                 )
                 self.specs[name.text] = spec
 
-    def rehearsal(self, name: Item | None, place: Placed) -> Rehearsal:
+    def dry_run(self, name: Item | None, place: Placed) -> DryRun:
         """That of a node by its name; of the only one if there is no name.
 
         Raises:
@@ -50,9 +50,9 @@ class Cast:
             name.one_of("node", self._names)
         if len(names) > 1:
             raise Mistake(place.mark, f"'node' is missing: which of {', '.join(names)}")
-        if not names or names[0] not in self._rehearsals:
+        if not names or names[0] not in self._dry_runs:
             raise Noted
-        return self._rehearsals[names[0]]
+        return self._dry_runs[names[0]]
 
     def _spec(self, node: Node) -> NodeSpec:
         with node.device.blamed():

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from simulators import devices, replay
 from simulators.commands.chosen import chosen
+from simulators.commands.scenarios import load
 from simulators.device import Device
 from simulators.errors import UserError
 from simulators.memory import Memory
@@ -14,7 +15,9 @@ from simulators.replay.scenario import NodeSpec
 OF_ONE_DEVICE = ("node-id", "set", "config", "nvram")
 
 
-def cast(options: argparse.Namespace, scenario: replay.Scenario | None) -> dict[str, Device]:
+def participants(
+    options: argparse.Namespace, scenario: replay.Scenario | None
+) -> dict[str, Device]:
     """The devices by the names of their nodes, with their power off.
 
     Raises:
@@ -22,11 +25,13 @@ def cast(options: argparse.Namespace, scenario: replay.Scenario | None) -> dict[
     """
     if options.device is not None and _is_file(options.device):
         _refuse(options, options.device, (*OF_ONE_DEVICE, "scenario"))
-        return _delivered(replay.load_bench(Path(options.device)))
+        return _delivered(_bench(options.device))
     if scenario is not None:
         return _of_scenario(options, scenario)
     if options.device is None:
-        raise UserError("nothing to run: say which device, or --scenario with a file that does")
+        taken = f"; {options.hub} was taken for the hub" if options.hub in devices.names() else ""
+        hint = f"say which device, or --scenario with a file that does{taken}"
+        raise UserError(f"nothing to run: {hint}")
     return {options.device: _equipped(options, NodeSpec(devices.find(options.device), {}))}
 
 
@@ -39,6 +44,17 @@ def title(options: argparse.Namespace, scenario: replay.Scenario | None) -> str:
 
 def _is_file(name: str) -> bool:
     return "/" in name or name.endswith((".yaml", ".yml"))
+
+
+def _bench(name: str) -> Mapping[str, NodeSpec]:
+    try:
+        return replay.load_bench(Path(name))
+    except UserError as refusal:
+        try:
+            load(name)
+        except UserError:
+            raise refusal from None
+    raise UserError(f"{name} is a scenario: run --scenario {name}")
 
 
 def _of_scenario(options: argparse.Namespace, scenario: replay.Scenario) -> dict[str, Device]:

@@ -4,11 +4,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from simulators.documents.document import Item
-from simulators.documents.table import understand
-from simulators.replay.file.step import Deed
-from simulators.replay.file.story import Bench, Node, Story
+from simulators.documents.table import understand_table
+from simulators.replay.file.scenario import BenchFile, Node, ScenarioFile
+from simulators.replay.file.step import AnyStep
 from simulators.replay.load import Find
-from simulators.replay.reading.cast import Cast
+from simulators.replay.reading.participants import Participants
 from simulators.replay.reading.steps import StepReader
 from simulators.replay.scenario import NodeSpec, Scenario, Step
 
@@ -21,27 +21,29 @@ def read_scenario(path: Path, find: Find) -> Scenario:
     Raises:
         DocumentError: with a line for everything that is wrong.
     """
-    return understand(path, Story, lambda told: _scenario(told, path, find))
+    return understand_table(path, ScenarioFile, lambda told: _scenario(told, path, find))
 
 
 def read_bench(path: Path, find: Find) -> Mapping[str, NodeSpec]:
     """The nodes of a bench file, by their names there; raises as `read_scenario` does."""
-    return understand(path, Bench, lambda told: _cast(told.nodes, Cast(find)).specs)
+    return understand_table(
+        path, BenchFile, lambda told: _participants(told.nodes, Participants(find)).specs
+    )
 
 
-def _scenario(told: Story, path: Path, find: Find) -> Scenario:
+def _scenario(told: ScenarioFile, path: Path, find: Find) -> Scenario:
     seed = None if told.seed is None else told.seed.whole
-    cast = Cast(find, seed)
+    participants = Participants(find, seed)
     if told.node is not None:
-        cast.take(told.node.device, told.node, told.node.place)
-    _cast(told.nodes or {}, cast)
+        participants.take(told.node.device, told.node, told.node.place)
+    _participants(told.nodes or {}, participants)
     return Scenario(
         path,
         name=_text(told.name) or path.stem,
         note=_text(told.note),
-        nodes=cast.specs,
-        steps=_steps(told.steps, cast),
-        cleanup=_steps(told.cleanup or [], cast),
+        nodes=participants.specs,
+        steps=_steps(told.steps, participants),
+        cleanup=_steps(told.cleanup or [], participants),
         covers=tuple(each.text for each in told.covers or []),
         seed=DEFAULT_SEED if seed is None else seed,
         duration=0.0 if told.duration is None else told.duration.seconds,
@@ -49,14 +51,14 @@ def _scenario(told: Story, path: Path, find: Find) -> Scenario:
     )
 
 
-def _cast(nodes: Mapping[Item, Node | None], cast: Cast) -> Cast:
+def _participants(nodes: Mapping[Item, Node | None], participants: Participants) -> Participants:
     for name, node in nodes.items():
-        cast.take(name, node, name)
-    return cast
+        participants.take(name, node, name)
+    return participants
 
 
-def _steps(told: Sequence[Deed | None], cast: Cast) -> tuple[Step, ...]:
-    reader = StepReader(cast)
+def _steps(told: Sequence[AnyStep | None], participants: Participants) -> tuple[Step, ...]:
+    reader = StepReader(participants)
     for step in told:
         if step is not None:
             reader.read(step)
