@@ -15,8 +15,8 @@ NOTES = {
         " acts or its heat reaches a level. An output that moves is computed every millisecond."
     ),
     "Scenarios": (
-        "Reading a file means YAML, its check against the models, and a rehearsal of every step with"
-        " the dictionary of its device. The longest file has 9,362 steps in 256 KiB."
+        "Reading a file means YAML, its check against the models, and a rehearsal of every step"
+        " with the dictionary of its device. The longest file has 9,360 steps in 256 KiB."
     ),
     "Start": (
         "The first twin of a process pays for the import of its device and for reading EDS, message"

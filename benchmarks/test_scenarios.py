@@ -18,7 +18,7 @@ STEP = "- {at: 1000.00, send: 080#}\n"
 
 @pytest.fixture
 def files(tmp_path: Path) -> dict[str, Path]:
-    """The largest file of the library, and one as large as a file may be: 9362 steps."""
+    """The largest file of the library, and one as large as a file may be: 9360 steps."""
     longest = tmp_path / "longest.yaml"
     longest.write_text(HEAD + STEP * ((LARGEST_FILE - len(HEAD)) // len(STEP)))
     return {"library": max(LIBRARY, key=lambda path: path.stat().st_size), "longest": longest}
