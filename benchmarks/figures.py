@@ -23,36 +23,8 @@ class Figure(NamedTuple):
 
 UPLOAD = "an SDO upload request"
 FRAME = "test_frame_localnode[upload]"
+PYYAML = "`yaml.safe_load`"
 LOCAL_NODE = "`LocalNode` on `virtual`"
-
-NOTES = {
-    "A master and a twin": (
-        "On `virtual` three threads of one interpreter take turns at every request: the master's,"
-        " its receiver's, and that of the node. The bench has one."
-    ),
-    "One frame in a node": (
-        "After every frame the twin asks its model for errors and whether it is still at rest, and"
-        " an upload asks it for the value; `LocalNode` has neither to ask, and its bus is one that"
-        " swallows messages."
-    ),
-    "Simulated time": (
-        "Whatever does not move costs nothing: the model of a settled output sleeps until somebody"
-        " acts or its heat reaches a level. An output that moves is computed every millisecond."
-    ),
-    "Start": (
-        "The first twin of a process pays for the import of its device and for reading EDS, message"
-        " table and unit types; every later one takes them from memory. A test does not wait for"
-        " either: the pytest plugin does both at the end of the collection. `LocalNode` is measured"
-        " without the second that its two networks take to shut down."
-    ),
-    "In a pytest session": (
-        "The plugin imports and reads at the end of the collection what the tests it has found will"
-        " need: here all devices, as `canopen_bench` may be asked for any. That is once for all"
-        " tests, or once in each worker of pytest-xdist. A device is ready when it has answered its"
-        " first SDO request; the first test still reads the EDS for the node id it has chosen. A"
-        " process that runs one test with the fixture `topcon` takes as long as the last line says."
-    ),
-}
 
 SECTIONS = {
     "A master and a twin": [
@@ -126,6 +98,21 @@ SECTIONS = {
             1200.0,
             Goal(time=1.0),
         ),
+    ],
+    "Scenarios": [
+        Figure(
+            "the largest file of the library",
+            "test_file[load-library]",
+            PYYAML,
+            "test_file[pyyaml-library]",
+        ),
+        Figure(
+            "the longest file there can be",
+            "test_file[load-longest]",
+            PYYAML,
+            "test_file[pyyaml-longest]",
+        ),
+        Figure("all of the TopCon, played", "test_play", "simulated time", 683.0),
     ],
     "Start": [
         Figure(

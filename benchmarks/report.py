@@ -14,7 +14,8 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from benchmarks.figures import NOTES, SECTIONS, Figure, Goal
+from benchmarks.figures import SECTIONS, Figure, Goal
+from benchmarks.notes import NOTES
 
 ROOT = Path(__file__).parent.parent
 PAGE = ROOT / "docs" / "performance.md"

@@ -3,7 +3,7 @@
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from itertools import count
 from pathlib import Path
 
@@ -18,15 +18,22 @@ LISTEN = "import sys\nfor line in sys.stdin: exec(line); print('done', flush=Tru
 TWIN = "from simulators import Bench; Bench('topcon', node_id=5).sdo.upload(0x2020, 0)"
 LOCAL_NODE = "pair = peers.virtual('first'); pair.__enter__().sdo.upload(0x2020, 0)"
 
+Environment = Mapping[str, str]
 Fresh = Callable[[str], Callable[[str], None]]
 
 
 @pytest.fixture
-def fresh(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Fresh]:
-    """Interpreters that have run one line and wait for the next; bytecode is cached, as usual."""
+def environment(tmp_path_factory: pytest.TempPathFactory) -> Environment:
+    """Bytecode is cached, as usual."""
     cache = tmp_path_factory.getbasetemp() / "bytecode"
     environment = {**os.environ, "PYTHONPYCACHEPREFIX": str(cache)}
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    return environment
+
+
+@pytest.fixture
+def fresh(environment: Environment) -> Iterator[Fresh]:
+    """Interpreters that have run one line and wait for the next."""
     started: list[subprocess.Popen[str]] = []
 
     def fresh(line: str) -> Callable[[str], None]:
@@ -86,12 +93,16 @@ def test_session(benchmark: BenchmarkFixture, fresh: Fresh, stage: str):
 
 
 @pytest.mark.parametrize("fixture", ["topcon", "request"])
-def test_process(benchmark: BenchmarkFixture, tmp_path: Path, fixture: str):
+def test_process(
+    benchmark: BenchmarkFixture, environment: Environment, tmp_path: Path, fixture: str
+):
     """A run of one test with a twin or with nothing, process start included."""
     (tmp_path / "test_one.py").write_text(f"def test_one({fixture}): pass")
     command = [sys.executable, "-m", "pytest", "-q", "-c", os.devnull, str(tmp_path)]
     benchmark.pedantic(
-        lambda: subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.DEVNULL),
+        lambda: subprocess.run(
+            command, cwd=ROOT, env=environment, check=True, stdout=subprocess.DEVNULL
+        ),
         rounds=5,
         warmup_rounds=1,
     )

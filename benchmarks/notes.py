@@ -1,0 +1,34 @@
+"""What the report says about each of its sections."""
+
+NOTES = {
+    "A master and a twin": (
+        "On `virtual` three threads of one interpreter take turns at every request: the master's,"
+        " its receiver's, and that of the node. The bench has one."
+    ),
+    "One frame in a node": (
+        "After every frame the twin asks its model for errors and whether it is still at rest, and"
+        " an upload asks it for the value; `LocalNode` has neither to ask, and its bus is one that"
+        " swallows messages."
+    ),
+    "Simulated time": (
+        "Whatever does not move costs nothing: the model of a settled output sleeps until somebody"
+        " acts or its heat reaches a level. An output that moves is computed every millisecond."
+    ),
+    "Scenarios": (
+        "Reading a file means YAML, its check against the models, and a rehearsal of every step"
+        " with the dictionary of its device. The longest file has 9,360 steps in 256 KiB."
+    ),
+    "Start": (
+        "The first twin of a process pays for the import of its device and for reading EDS, message"
+        " table and unit types; every later one takes them from memory. A test does not wait for"
+        " either: the pytest plugin does both at the end of the collection. `LocalNode` is measured"
+        " without the second that its two networks take to shut down."
+    ),
+    "In a pytest session": (
+        "The plugin imports and reads at the end of the collection what the tests it has found will"
+        " need: here all devices, as `canopen_bench` may be asked for any. That is once for all"
+        " tests, or once in each worker of pytest-xdist. A device is ready when it has answered its"
+        " first SDO request; an EDS that has been read once serves every node id. A"
+        " process that runs one test with the fixture `topcon` takes as long as the last line says."
+    ),
+}
