@@ -42,4 +42,4 @@ def test_a_master_that_goes_on_is_found_guilty(checkout, port):  # noqa: F811
     done = carried_out("pytest -q test_battery.py", checkout, port)
     assert done.returncode == 1
     assert "stories/trip.yaml: FAIL (3 PASS, 1 FAIL)" in done.stdout
-    assert "stories/trip.yaml:15: write Run command = 0 within 0.5 s: none came" in done.stdout
+    assert "stories/trip.yaml:14: write Run command = 0 within 0.5 s: none came" in done.stdout
