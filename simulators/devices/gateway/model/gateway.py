@@ -13,7 +13,7 @@ from simulators.devices.gateway.model.heinzmann_can import SHOWN, Numbers
 from simulators.devices.gateway.model.initialisation import Initialisation
 from simulators.devices.gateway.model.options import Options
 from simulators.devices.gateway.model.outputs import Outputs
-from simulators.devices.gateway.model.programme import LINK_ERRORS, Programme
+from simulators.devices.gateway.model.programme import Programme
 from simulators.devices.gateway.model.state import (
     COMMUNICATING,
     GovernorCommand,
@@ -74,11 +74,12 @@ class GatewayProgramme(Programme):
     @property
     def causes(self) -> int:
         """What is wrong at this moment: the CANopen bus as well."""
-        return super().causes | CANOPEN_BUS_ERROR * self.canopen.bus.failed
+        causes = super().causes
+        return causes | CANOPEN_BUS_ERROR if self.canopen.bus.failed else causes
 
     @property
     def _ready(self) -> bool:
-        return not (self._blocked or self.causes & LINK_ERRORS)
+        return not (self._blocked or self.link_failed)
 
     def command(self, command: MasterCommand) -> None:
         """An NMT command of the master to this node or to all."""

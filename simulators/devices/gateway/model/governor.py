@@ -11,7 +11,7 @@ from simulators.devices.gateway.model.handshake import Handshake, Phase
 from simulators.devices.gateway.model.heinzmann_can import Numbers
 from simulators.devices.gateway.model.inputs import Inputs
 from simulators.devices.gateway.model.measurements import measured
-from simulators.devices.gateway.model.programme import LINK_ERRORS, Programme
+from simulators.devices.gateway.model.programme import Programme
 from simulators.devices.gateway.model.scaling import Scaling
 from simulators.devices.gateway.model.speed import Operation
 from simulators.devices.gateway.model.state import State
@@ -29,6 +29,7 @@ from simulators.devices.gateway.model.telegrams import (
 from simulators.devices.gateway.model.unit import ControlUnit
 
 NUMBERS = Numbers(partner=403, enable=4406)  # 7.1.1
+OVERSPEED = errors.bit(errors.OVERSPEED)
 SERVED = (Phase.PREOP, Phase.RUN)  # TPDO counters run from the command Pre-Operational (A-45)
 
 
@@ -89,7 +90,7 @@ class GovernorProgramme(Programme):
         self._cycles += 1
 
     def _lead_gateway(self) -> None:
-        if self.causes & LINK_ERRORS:
+        if self.link_failed:
             self.handshake.lost()
         else:
             self.handshake.step()
@@ -103,8 +104,8 @@ class GovernorProgramme(Programme):
     @property
     def causes(self) -> int:
         """What is wrong at this moment: sensors and overspeed as well."""
-        overspeed = errors.bit(errors.OVERSPEED) * self.control.overspeed
-        return super().causes | self.inputs.errors | overspeed
+        causes = super().causes | self.inputs.errors
+        return causes | OVERSPEED if self.control.overspeed else causes
 
     def clear(self) -> None:
         """Clear all errors here; a failed initialisation gets three more attempts."""
@@ -129,8 +130,8 @@ class GovernorProgramme(Programme):
                 self.can.send(TpdoData(tpdo.number, words))
 
     def _internal(self, number: int) -> int:
-        writable = self.unit.parameters[number].writable
-        value = self.settings.effective(number) if writable else measured(self.unit, number)
+        is_shown = number in self.unit.shown
+        value = measured(self.unit, number) if is_shown else self.settings.effective(number)
         return self._scaling.internal(number, value)
 
     def handle(self, telegram: Telegram) -> None:

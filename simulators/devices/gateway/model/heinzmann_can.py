@@ -85,14 +85,18 @@ class HeinzmannCan:
     def silent(self) -> bool:
         """Whether the partner has been silent too long: 2403, after the delay 400."""
         now = self._time.now
-        return self.enabled and now >= self._patience and now - self._last_heard > SILENCE
+        return now - self._last_heard > SILENCE and self.enabled and now >= self._patience
 
     @property
     def causes(self) -> int:
         """3070 and 3071, as far as this interface is the reason; bit k is error 3000+k."""
-        wiring = self._wiring
+        wiring, causes = self._wiring, 0
+        if self.bus_fault:
+            causes |= BUS_ERROR
         content = wiring.transmit_overflow or wiring.receive_overflow or wiring.duplicate
-        return BUS_ERROR * self.bus_fault | COMMUNICATION_ERROR * (content or self.silent)
+        if content or self.silent:
+            causes |= COMMUNICATION_ERROR
+        return causes
 
     def shows(self, number: int) -> int:
         """One of the parameters 2401 to 2404, 2410 and 2411: bit n stands for device n (7.2.1)."""
