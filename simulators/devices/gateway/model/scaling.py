@@ -33,9 +33,9 @@ class Scaling:
 
     def internal(self, number: int, value: float) -> int:
         """The 16 bits a value is sent as, 0..FFFFh; what does not fit is cut off."""
-        scale = self._scale(number)
+        full_scale, counts = self._scale(number)
         low, high = SIGNED if self._parameters[number].signed else UNSIGNED
-        return min(max(low, round(value / scale.full_scale * scale.counts)), high) & 0xFFFF
+        return min(max(low, round(value / full_scale * counts)), high) & 0xFFFF
 
     def external(self, number: int, internal: int) -> float:
         """The value that the 16 unsigned bits of a CANopen sensor stand for."""
