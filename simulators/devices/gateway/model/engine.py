@@ -1,7 +1,7 @@
 """Engine with actuator, oil and charge air: what the governor governs. All assumed (A-47)."""
 
 from dataclasses import dataclass
-from math import exp, pi
+from math import copysign, exp, pi
 
 from simulators.devices.gateway.model.timing import Time
 
@@ -68,7 +68,9 @@ class Engine:
 
     def _move(self, dt: float) -> None:
         rate = (self.fuel - self.position) / ACTUATOR_LAG
-        self.position += min(max(-ACTUATOR_RATE, rate), ACTUATOR_RATE) * dt
+        if abs(rate) > ACTUATOR_RATE:
+            rate = copysign(ACTUATOR_RATE, rate)
+        self.position += rate * dt
         self.combustion += (self.position - self.combustion) / COMBUSTION_LAG * dt
         acceleration = self._torque() / INERTIA / RADIANS
         self.speed = max(0.0, self.speed + acceleration * dt)

@@ -1,5 +1,7 @@
 """Programme of the governor: governs the engine, initialises the gateway, serves its PDOs."""
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from simulators.devices.gateway.model import configuration, errors
@@ -46,7 +48,7 @@ class GovernorProgramme(Programme):
     ) -> None:
         super().__init__(unit, NUMBERS, OF_GOVERNOR)
         settings, cycle = unit.store, unit.cycle
-        self._engine, self._scaling, self._assignment = engine, scaling, assignment
+        self._engine, self._assignment = engine, assignment
         parts = configuration.init_parts(settings, scaling, cycle)
         self.handshake = Handshake(unit.time, self.can.send, parts)
         self.inputs = Inputs(
@@ -57,6 +59,10 @@ class GovernorProgramme(Programme):
         self.control = EngineControl(engine, operation, self.inputs, scaling, cycle / 1_000_000)
         self.live |= self.control.measurements
         self._tpdos = configuration.tpdos(settings, scaling, cycle)
+        self._words = {
+            tpdo.number: [(self._reader(n), scaling.count(n)) for n in tpdo.sources.values()]
+            for tpdo in self._tpdos
+        }
         self._served = 0  # main cycles
         self._met = False  # the gateway was heard since the reset
 
@@ -126,13 +132,13 @@ class GovernorProgramme(Programme):
         self._served += 1
         for tpdo in self._tpdos:
             if self._served % tpdo.period == 0:
-                words = tuple(self._internal(number) for number in tpdo.sources.values())
-                self.can.send(TpdoData(tpdo.number, words))
+                words = [count.of(read()) for read, count in self._words[tpdo.number]]
+                self.can.send(TpdoData(tpdo.number, tuple(words)))
 
-    def _internal(self, number: int) -> int:
-        is_shown = number in self.unit.shown
-        value = measured(self.unit, number) if is_shown else self.settings.effective(number)
-        return self._scaling.internal(number, value)
+    def _reader(self, number: int) -> Callable[[], float]:
+        if self.unit.parameters[number].writable:
+            return partial(self.settings.effective, number)
+        return self.live.get(number) or partial(measured, self.unit, number)
 
     def handle(self, telegram: Telegram) -> None:
         """Act on a telegram of the gateway."""

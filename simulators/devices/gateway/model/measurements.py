@@ -15,10 +15,17 @@ BOOTLOADER_TEST = range(3800, 3804)
 SERIAL = (3844, 3845)
 
 
+STORED = frozenset(
+    (*ERRORS, *BOOTLOADER_EXCEPTION, EEPROM_CODE, *COUNTS, *EXCEPTION, *BOOTLOADER_TEST, *SERIAL)
+)
+
+
 def measured(unit: ControlUnit[Any], number: int) -> float:
     """The present value of a measurement, in its unit; a number the unit has is presumed."""
     if number in unit.live:
         return unit.live[number]()
+    if number not in STORED:
+        return unit.shown[number]
     if number in ERRORS and unit.life is not Life.BOOTLOADER:
         return int(unit.memory.has(number))
     if number in ERRORS or number in BOOTLOADER_EXCEPTION or number in BOOTLOADER_TEST:
