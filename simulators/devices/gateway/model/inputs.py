@@ -48,7 +48,9 @@ class Inputs:
         limits: Sequence[int],
     ) -> None:
         self.sensors = {sensor.number: sensor for sensor in sensors}
-        self._errors = [(each, errors.bit(errors.FIRST_SENSOR + each.number - 900)) for each in sensors]
+        self._errors = [
+            (each, errors.bit(errors.FIRST_SENSOR + each.number - 900)) for each in sensors
+        ]
         self.functions = {function.number: function for function in functions}
         self.rpdos = {number: Rpdo(limit) for number, limit in enumerate(limits, start=1)}
         self.usable = False
