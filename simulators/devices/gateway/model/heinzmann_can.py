@@ -88,15 +88,21 @@ class HeinzmannCan:
         return now - self._last_heard > SILENCE and self.enabled and now >= self._patience
 
     @property
+    def failed(self) -> bool:
+        """Whether this interface is a reason of 3070 or 3071."""
+        return self.bus_fault or self._disturbed
+
+    @property
     def causes(self) -> int:
         """3070 and 3071, as far as this interface is the reason; bit k is error 3000+k."""
-        wiring, causes = self._wiring, 0
-        if self.bus_fault:
-            causes |= BUS_ERROR
+        causes = BUS_ERROR if self.bus_fault else 0
+        return causes | COMMUNICATION_ERROR if self._disturbed else causes
+
+    @property
+    def _disturbed(self) -> bool:
+        wiring = self._wiring
         content = wiring.transmit_overflow or wiring.receive_overflow or wiring.duplicate
-        if content or self.silent:
-            causes |= COMMUNICATION_ERROR
-        return causes
+        return content or self.silent
 
     def shows(self, number: int) -> int:
         """One of the parameters 2401 to 2404, 2410 and 2411: bit n stands for device n (7.2.1)."""

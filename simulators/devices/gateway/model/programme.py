@@ -72,7 +72,7 @@ class Programme(ABC):
     @property
     def link_failed(self) -> bool:
         """Whether 3070 or 3071 is there: nothing but the interface causes them."""
-        return bool((self.can.causes | self._pulses) & LINK_ERRORS)
+        return self.can.failed or bool(self._pulses & LINK_ERRORS)
 
     def evaluate(self) -> None:
         """Report what is wrong, and count what was not there before."""
