@@ -71,9 +71,10 @@ class HeinzmannCan:
     def accepts(self, telegram: Telegram) -> bool:
         """Whether a telegram gets through to the programme: the node numbers have to match."""
         return (
-            self.connected
+            telegram.sender == self.partner
+            and telegram.addressee == self.node
+            and self.connected
             and not self._wiring.receive_overflow
-            and (telegram.sender, telegram.addressee) == (self.partner, self.node)
         )
 
     def hear(self) -> None:
