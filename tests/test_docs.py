@@ -66,7 +66,9 @@ def test_the_tutorial_shows_what_a_deaf_master_is_told(pytester):
             Path(file).write_text(code, "utf-8")
     said = pytester.runpytest_inprocess("-p", "no:cacheprovider", "test_deaf.py").outlines
     (shown,) = [code for language, _, code in blocks if language == "text"]
-    assert [line for line in said if line.startswith("  FAIL")] == shown.splitlines()
+    story = "\n".join(said).partition("short test summary")[0]  # which repeats it where CI is set
+    told = [line for line in story.splitlines() if line.startswith("  FAIL")]
+    assert told == shown.splitlines()
 
 
 @pytest.mark.parametrize(
