@@ -98,6 +98,12 @@ SECTIONS = {
             1200.0,
             Goal(time=1.0),
         ),
+        Figure(
+            "20 minutes of a gateway in Operational, 75 TPDOs a second",
+            "test_governing",
+            "real time",
+            1200.0,
+        ),
     ],
     "Scenarios": [
         Figure(

@@ -90,3 +90,19 @@ def test_calibration(benchmark: BenchmarkFixture):
         assert bench.sdo[0x2002][0x1A].raw == 10_000_000
 
     benchmark.pedantic(calibrate, setup=calibrating, rounds=7)
+
+
+def test_governing(benchmark: BenchmarkFixture):
+    """Twenty minutes in Operational: all cyclic TPDOs, an engine at its setpoint, a heartbeat."""
+
+    def operational() -> tuple[tuple[Bench], dict[str, object]]:
+        bench = Bench("gateway")
+        bench.run(0.5)
+        bench.master.nmt.state = "OPERATIONAL"
+        return (bench,), {}
+
+    def govern(bench: Bench) -> None:
+        bench.run(20 * 60.0)
+        assert len(bench.trace) > 90_000
+
+    benchmark.pedantic(govern, setup=operational, rounds=2)

@@ -172,4 +172,4 @@ def test_a_day_without_the_governor_passes_at_once():
     engine = Engine(Time())
     engine.speed = 1500.0
     engine.run_to(86_400_000_000)
-    assert engine.standing
+    assert engine.speed == 0

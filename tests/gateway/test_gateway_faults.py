@@ -240,8 +240,8 @@ def test_a_supply_that_is_too_low(operational):
 
 
 def errors_of(bench, unit):
-    parameters = bench.device.system._units
-    (known,) = (each.parameters for each in parameters.values() if each.which.value == unit)
+    units = bench.device.system._units
+    (known,) = (each.parameters for each in units if each.which.value == unit)
     return [number for number in known if 3000 <= number < 3095]
 
 

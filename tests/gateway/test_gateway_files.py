@@ -86,7 +86,7 @@ def test_a_scale_is_there_once_and_complete(tables):
     ],
 )
 def test_internal_values(tables, number, value, internal):
-    assert tables.scaling.internal(number, value) == internal
+    assert tables.scaling.count(number).of(value) == internal
 
 
 @pytest.mark.spec("G-065")

@@ -4,6 +4,7 @@ from simulators.devices.gateway.model.canopen_bus import BootUp, TpdoFrame
 from simulators.devices.gateway.model.parameters import Unit
 from simulators.devices.gateway.model.state import MasterCommand, State
 from simulators.devices.gateway.model.telegrams import GovernorAlive
+from simulators.devices.gateway.model.timing import NEVER
 
 NO_HEARTBEAT = {"gateway": {429: 0}}
 
@@ -208,7 +209,7 @@ def test_telegrams_do_not_overtake_each_other(plain):
     direction.delay = 125
     times = []
     rig.run(0.02)
-    while direction.due is not None:
+    while direction.due < NEVER:
         times.append(direction.due)
         direction.arrive()
     assert times == sorted(times)

@@ -31,7 +31,7 @@ class Assignment:
             for bit, number in enumerate(row)
             if number is not None
         }
-        self._engine = engine
+        self._engine = {state: 1 << bit for bit, state in enumerate(engine) if state is not None}
 
     def error_words(self, present: int) -> tuple[int, ...]:
         """2000h:01 to :06 for these errors; bit k of `present` is error 3000+k."""
@@ -44,9 +44,11 @@ class Assignment:
 
     def engine_word(self, states: Mapping[str, bool]) -> int:
         """2000h:07 for these engine states."""
-        return sum(
-            states[state] << bit for bit, state in enumerate(self._engine) if state is not None
-        )
+        word = 0
+        for state, bit in self._engine.items():
+            if states[state]:
+                word |= bit
+        return word
 
 
 def assignment(content: Any) -> Assignment:

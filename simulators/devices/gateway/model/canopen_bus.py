@@ -1,6 +1,7 @@
 """CAN2 controller of the gateway: what leaves, and how it gets over a bus fault (12423)."""
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from simulators.devices.gateway.model.state import State
 
@@ -19,8 +20,7 @@ class Heartbeat:
     state: State
 
 
-@dataclass(frozen=True)
-class TpdoFrame:
+class TpdoFrame(NamedTuple):
     """A TPDO 1..16 with the words it carries."""
 
     number: int

@@ -50,17 +50,21 @@ class CanopenErrors:
 
     def __init__(self, reasons: Mapping[int, CanopenError]) -> None:
         self._reasons = reasons
+        self._relevant = errors.bits(reasons)
         self.own = CanopenError(0)
         self.partner = CanopenError(0)
 
     @property
     def word(self) -> CanopenError:
         """Object 2005h, as this unit sees it."""
+        if not self.partner:  # most of the time
+            return self.own
         return self.own | self.partner
 
     def latch(self, causes: int) -> None:
         """Set what the errors 3070 to 3073 among the causes stand for; it stays when they go."""
-        self.own |= self._standing_for(causes)
+        if causes & self._relevant:
+            self.own |= self._standing_for(causes)
 
     def follow(self, error: CanopenError, present: bool) -> None:
         """Let an error come and go with its cause (12413, 12420)."""

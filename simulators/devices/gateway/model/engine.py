@@ -1,7 +1,7 @@
 """Engine with actuator, oil and charge air: what the governor governs. All assumed (A-47)."""
 
 from dataclasses import dataclass
-from math import exp, pi
+from math import copysign, exp, pi
 
 from simulators.devices.gateway.model.timing import Time
 
@@ -50,11 +50,6 @@ class Engine:
         """What the generator delivers, W."""
         return self.load if self.load_connected else 0.0
 
-    @property
-    def standing(self) -> bool:
-        """Whether nothing moves and nothing will."""
-        return self.speed == 0 and not self.starter
-
     def run_to(self, now: int) -> None:
         """Let the time up to `now`, in microseconds, pass."""
         seconds = (now - self._reached) / 1_000_000
@@ -62,24 +57,28 @@ class Engine:
         substeps = max(1, round(seconds / SUBSTEP))
         for _ in range(substeps):
             self._move(seconds / substeps)
-            if self.standing and self.fuel == 0 and self.position < 1e-9:
+            if self.speed == self.fuel == 0 and not self.starter and self.position < 1e-9:
                 break  # the rest of the time changes nothing
         self._settle(seconds)
 
     def _move(self, dt: float) -> None:
-        rate = (self.fuel - self.position) / ACTUATOR_LAG
-        self.position += min(max(-ACTUATOR_RATE, rate), ACTUATOR_RATE) * dt
-        self.combustion += (self.position - self.combustion) / COMBUSTION_LAG * dt
-        acceleration = self._torque() / INERTIA / RADIANS
-        self.speed = max(0.0, self.speed + acceleration * dt)
+        position, combustion, speed = self.position, self.combustion, self.speed
+        rate = (self.fuel - position) / ACTUATOR_LAG
+        if abs(rate) > ACTUATOR_RATE:
+            rate = copysign(ACTUATOR_RATE, rate)
+        position += rate * dt
+        combustion += (position - combustion) / COMBUSTION_LAG * dt
+        speed += self._torque(speed, combustion) / INERTIA / RADIANS * dt
+        self.position, self.combustion, self.speed = position, combustion, max(0.0, speed)
 
-    def _torque(self) -> float:
-        driving = FULL_TORQUE * self.combustion if self.speed > COMBUSTION_SPEED else 0.0
+    def _torque(self, speed: float, combustion: float) -> float:
+        driving = FULL_TORQUE * combustion if speed > COMBUSTION_SPEED else 0.0
         if self.starter:
-            driving += max(0.0, STARTER_TORQUE * (1 - self.speed / STARTER_SPEED))
-        friction = 60 + 0.06 * self.speed
-        angular = max(1.0, self.speed * RADIANS)
-        return driving - friction - self.power / (GENERATOR_EFFICIENCY * angular)
+            driving += max(0.0, STARTER_TORQUE * (1 - speed / STARTER_SPEED))
+        driving -= 60 + 0.06 * speed  # friction
+        if not self.load_connected:
+            return driving
+        return driving - self.load / (GENERATOR_EFFICIENCY * max(1.0, speed * RADIANS))
 
     def _settle(self, seconds: float) -> None:
         pressure = 2.5 + 2 * (self.speed - 700) / 800 if self.speed >= OIL_SPEED else 0.0

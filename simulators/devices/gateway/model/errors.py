@@ -56,6 +56,8 @@ class ErrorMemory:
 
     def update(self, causes: int) -> None:
         """Take over what is wrong now, one bit per error; what was not present is counted."""
+        if causes == self.present:  # most of the time
+            return
         for number in numbers(causes & ~self.present):
             self.counts[number] = min(self.counts.get(number, 0) + 1, MOST)
         self.present = self.present & ~FOLLOWING | causes

@@ -1,6 +1,5 @@
 """Programme of the gateway: two sources of commands, the dialogue with the governor, and errors."""
 
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -13,7 +12,7 @@ from simulators.devices.gateway.model.heinzmann_can import SHOWN, Numbers
 from simulators.devices.gateway.model.initialisation import Initialisation
 from simulators.devices.gateway.model.options import Options
 from simulators.devices.gateway.model.outputs import Outputs
-from simulators.devices.gateway.model.programme import LINK_ERRORS, Programme
+from simulators.devices.gateway.model.programme import Programme
 from simulators.devices.gateway.model.state import (
     COMMUNICATING,
     GovernorCommand,
@@ -59,7 +58,7 @@ class GatewayProgramme(Programme):
         self._initialisation = Initialisation(unit.store)
         self._assignment, self._first = assignment, options.first_tpdo
         self._blocked = False  # 9.4: Undefined until a reset
-        self._told: GatewayAlive | None = None
+        self._told: tuple[State, int, bool, bool, CanopenError] | None = None
         self.live |= {number: partial(self.can.shows, number) for number in SHOWN}
         self.live |= {
             2405: lambda: int(self.can.connected),
@@ -74,11 +73,12 @@ class GatewayProgramme(Programme):
     @property
     def causes(self) -> int:
         """What is wrong at this moment: the CANopen bus as well."""
-        return super().causes | CANOPEN_BUS_ERROR * self.canopen.bus.failed
+        causes = super().causes
+        return causes | CANOPEN_BUS_ERROR if self.canopen.bus.failed else causes
 
     @property
     def _ready(self) -> bool:
-        return not (self._blocked or self.causes & LINK_ERRORS)
+        return not (self._blocked or self.link_failed)
 
     def command(self, command: MasterCommand) -> None:
         """An NMT command of the master to this node or to all."""
@@ -125,7 +125,12 @@ class GatewayProgramme(Programme):
 
     def handle(self, telegram: Telegram) -> None:
         """Act on a telegram of the governor."""
-        match telegram.body:
+        match telegram.body:  # the most frequent first
+            case Binary(present, engine, told):
+                self.errors.partner = told
+                self.canopen.show(present | self.unit.memory.present, engine)
+            case TpdoData(number, words):
+                self.canopen.send_tpdo(number, words)
             case GovernorAlive(told):
                 self.errors.partner = told
             case Command() as command:
@@ -134,11 +139,6 @@ class GatewayProgramme(Programme):
                 self._initialisation.collect(data)
             case InitEnd(session, count) if self._initialising(session):
                 self._judge(count)
-            case Binary(present, engine, told):
-                self.errors.partner = told
-                self.canopen.show(present | self.unit.memory.present, engine)
-            case TpdoData(number, words):
-                self.canopen.send_tpdo(number, words)
             case ClearErrors():
                 self.clear()
         self._tell_change()
@@ -188,7 +188,7 @@ class GatewayProgramme(Programme):
 
     def _tell_change(self) -> None:
         mine = self._initialisation
-        alive = GatewayAlive(self.state, mine.session, mine.fresh, self._ready, self.errors.own)
-        if alive != self._told:
-            self._told = alive
-            self.can.send(replace(alive, first=self._cycles == 0))
+        content = (self.state, mine.session, mine.fresh, self._ready, self.errors.own)
+        if content != self._told:
+            self._told = content
+            self.can.send(GatewayAlive(*content, first=self._cycles == 0))

@@ -1,5 +1,7 @@
 """Programme of the governor: governs the engine, initialises the gateway, serves its PDOs."""
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from simulators.devices.gateway.model import configuration, errors
@@ -11,7 +13,7 @@ from simulators.devices.gateway.model.handshake import Handshake, Phase
 from simulators.devices.gateway.model.heinzmann_can import Numbers
 from simulators.devices.gateway.model.inputs import Inputs
 from simulators.devices.gateway.model.measurements import measured
-from simulators.devices.gateway.model.programme import LINK_ERRORS, Programme
+from simulators.devices.gateway.model.programme import Programme
 from simulators.devices.gateway.model.scaling import Scaling
 from simulators.devices.gateway.model.speed import Operation
 from simulators.devices.gateway.model.state import State
@@ -29,6 +31,7 @@ from simulators.devices.gateway.model.telegrams import (
 from simulators.devices.gateway.model.unit import ControlUnit
 
 NUMBERS = Numbers(partner=403, enable=4406)  # 7.1.1
+OVERSPEED = errors.bit(errors.OVERSPEED)
 SERVED = (Phase.PREOP, Phase.RUN)  # TPDO counters run from the command Pre-Operational (A-45)
 
 
@@ -45,7 +48,7 @@ class GovernorProgramme(Programme):
     ) -> None:
         super().__init__(unit, NUMBERS, OF_GOVERNOR)
         settings, cycle = unit.store, unit.cycle
-        self._engine, self._scaling, self._assignment = engine, scaling, assignment
+        self._engine, self._assignment = engine, assignment
         parts = configuration.init_parts(settings, scaling, cycle)
         self.handshake = Handshake(unit.time, self.can.send, parts)
         self.inputs = Inputs(
@@ -56,6 +59,10 @@ class GovernorProgramme(Programme):
         self.control = EngineControl(engine, operation, self.inputs, scaling, cycle / 1_000_000)
         self.live |= self.control.measurements
         self._tpdos = configuration.tpdos(settings, scaling, cycle)
+        self._words = {
+            tpdo.number: [(self._reader(n), scaling.count(n)) for n in tpdo.sources.values()]
+            for tpdo in self._tpdos
+        }
         self._served = 0  # main cycles
         self._met = False  # the gateway was heard since the reset
 
@@ -89,7 +96,7 @@ class GovernorProgramme(Programme):
         self._cycles += 1
 
     def _lead_gateway(self) -> None:
-        if self.causes & LINK_ERRORS:
+        if self.link_failed:
             self.handshake.lost()
         else:
             self.handshake.step()
@@ -103,8 +110,8 @@ class GovernorProgramme(Programme):
     @property
     def causes(self) -> int:
         """What is wrong at this moment: sensors and overspeed as well."""
-        overspeed = errors.bit(errors.OVERSPEED) * self.control.overspeed
-        return super().causes | self.inputs.errors | overspeed
+        causes = super().causes | self.inputs.errors
+        return causes | OVERSPEED if self.control.overspeed else causes
 
     def clear(self) -> None:
         """Clear all errors here; a failed initialisation gets three more attempts."""
@@ -125,13 +132,13 @@ class GovernorProgramme(Programme):
         self._served += 1
         for tpdo in self._tpdos:
             if self._served % tpdo.period == 0:
-                words = tuple(self._internal(number) for number in tpdo.sources.values())
-                self.can.send(TpdoData(tpdo.number, words))
+                words = [count.of(read()) for read, count in self._words[tpdo.number]]
+                self.can.send(TpdoData(tpdo.number, tuple(words)))
 
-    def _internal(self, number: int) -> int:
-        writable = self.unit.parameters[number].writable
-        value = self.settings.effective(number) if writable else measured(self.unit, number)
-        return self._scaling.internal(number, value)
+    def _reader(self, number: int) -> Callable[[], float]:
+        if self.unit.parameters[number].writable:
+            return partial(self.settings.effective, number)
+        return self.live.get(number) or partial(measured, self.unit, number)
 
     def handle(self, telegram: Telegram) -> None:
         """Act on a telegram of the gateway."""

@@ -71,9 +71,10 @@ class HeinzmannCan:
     def accepts(self, telegram: Telegram) -> bool:
         """Whether a telegram gets through to the programme: the node numbers have to match."""
         return (
-            self.connected
+            telegram.sender == self.partner
+            and telegram.addressee == self.node
+            and self.connected
             and not self._wiring.receive_overflow
-            and (telegram.sender, telegram.addressee) == (self.partner, self.node)
         )
 
     def hear(self) -> None:
@@ -85,14 +86,24 @@ class HeinzmannCan:
     def silent(self) -> bool:
         """Whether the partner has been silent too long: 2403, after the delay 400."""
         now = self._time.now
-        return self.enabled and now >= self._patience and now - self._last_heard > SILENCE
+        return now - self._last_heard > SILENCE and self.enabled and now >= self._patience
+
+    @property
+    def failed(self) -> bool:
+        """Whether this interface is a reason of 3070 or 3071."""
+        return self.bus_fault or self._disturbed
 
     @property
     def causes(self) -> int:
         """3070 and 3071, as far as this interface is the reason; bit k is error 3000+k."""
+        causes = BUS_ERROR if self.bus_fault else 0
+        return causes | COMMUNICATION_ERROR if self._disturbed else causes
+
+    @property
+    def _disturbed(self) -> bool:
         wiring = self._wiring
         content = wiring.transmit_overflow or wiring.receive_overflow or wiring.duplicate
-        return BUS_ERROR * self.bus_fault | COMMUNICATION_ERROR * (content or self.silent)
+        return content or self.silent
 
     def shows(self, number: int) -> int:
         """One of the parameters 2401 to 2404, 2410 and 2411: bit n stands for device n (7.2.1)."""

@@ -48,6 +48,9 @@ class Inputs:
         limits: Sequence[int],
     ) -> None:
         self.sensors = {sensor.number: sensor for sensor in sensors}
+        self._errors = [
+            (each, errors.bit(errors.FIRST_SENSOR + each.number - 900)) for each in sensors
+        ]
         self.functions = {function.number: function for function in functions}
         self.rpdos = {number: Rpdo(limit) for number, limit in enumerate(limits, start=1)}
         self.usable = False
@@ -87,11 +90,11 @@ class Inputs:
     @property
     def errors(self) -> int:
         """The sensor errors, 3005 onward; bit k is error 3000+k."""
-        return errors.bits(
-            errors.FIRST_SENSOR + number - 900
-            for number, sensor in self.sensors.items()
-            if self.faulty(sensor)
-        )
+        word = 0
+        for sensor, error in self._errors:
+            if self.faulty(sensor):
+                word |= error
+        return word
 
     def value(self, number: int) -> int | None:
         """The internal value of a sensor 900+s; None without CANopen, or while it is faulty."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from simulators.devices.gateway.model.parameters import Unit
 from simulators.devices.gateway.model.telegrams import Telegram
-from simulators.devices.gateway.model.timing import MILLISECOND, Time
+from simulators.devices.gateway.model.timing import MILLISECOND, NEVER, Time
 
 
 @dataclass
@@ -18,6 +18,8 @@ class Direction:
     cut: bool = False
     drop: int = 0
     """How many of the next telegrams are lost."""
+    due: int = field(default=NEVER, init=False)
+    """When the next telegram arrives, us; NEVER if none is on its way."""
     _underway: deque[tuple[int, Telegram]] = field(default_factory=deque, init=False)
 
     def send(self, telegram: Telegram) -> None:
@@ -30,27 +32,35 @@ class Direction:
         due = self.time.now + self.delay
         if self._underway:
             due = max(due, self._underway[-1][0])
+        else:
+            self.due = due
         self._underway.append((due, telegram))
-
-    @property
-    def due(self) -> int | None:
-        """When the next telegram arrives; None if none is on its way."""
-        return self._underway[0][0] if self._underway else None
 
     def arrive(self) -> Telegram:
         """Take the next telegram out."""
-        return self._underway.popleft()[1]
+        telegram = self._underway.popleft()[1]
+        self.due = self._underway[0][0] if self._underway else NEVER
+        return telegram
 
 
 class Link:
-    """Both directions, and the bit rates of the units that are connected."""
+    """Both directions, and whether the units that are connected understand each other."""
 
     def __init__(self, time: Time) -> None:
         self.to = {unit: Direction(time) for unit in Unit}
-        self.bit_rates: dict[Unit, int] = {}
-        """Of the units that run, in kBit/s; a unit set by hand to its registers is not in it."""
-
-    @property
-    def disturbed(self) -> bool:
+        self.disturbed = False
         """Whether the units talk at different bit rates, which is a bus error in both (7.2.1)."""
-        return len(set(self.bit_rates.values())) > 1
+        self._bit_rates: dict[Unit, int] = {}
+
+    def connect(self, unit: Unit, bit_rate: int) -> None:
+        """A unit runs, with so many kBit/s; one set by hand to its registers is left aside."""
+        self._bit_rates[unit] = bit_rate
+        self._compare()
+
+    def disconnect(self, unit: Unit) -> None:
+        """A unit does not run any more."""
+        self._bit_rates.pop(unit, None)
+        self._compare()
+
+    def _compare(self) -> None:
+        self.disturbed = len(set(self._bit_rates.values())) > 1

@@ -15,16 +15,23 @@ BOOTLOADER_TEST = range(3800, 3804)
 SERIAL = (3844, 3845)
 
 
+STORED = frozenset(
+    (*ERRORS, *BOOTLOADER_EXCEPTION, EEPROM_CODE, *COUNTS, *EXCEPTION, *BOOTLOADER_TEST, *SERIAL)
+)
+
+
 def measured(unit: ControlUnit[Any], number: int) -> float:
     """The present value of a measurement, in its unit; a number the unit has is presumed."""
+    if number in unit.live:
+        return unit.live[number]()
+    if number not in STORED:
+        return unit.shown[number]
     if number in ERRORS and unit.life is not Life.BOOTLOADER:
         return int(unit.memory.has(number))
     if number in ERRORS or number in BOOTLOADER_EXCEPTION or number in BOOTLOADER_TEST:
         return unit.bootloader.shows(number)
     if number in COUNTS:
         return unit.memory.counts.get(number - COUNTERS, 0)
-    if number in unit.live:
-        return unit.live[number]()
     return _kept(unit, number)
 
 

@@ -69,6 +69,11 @@ class Programme(ABC):
         """What is wrong at this moment, 3074 left aside; bit k is error 3000+k."""
         return self.unit.causes | self.can.causes | self._pulses
 
+    @property
+    def link_failed(self) -> bool:
+        """Whether 3070 or 3071 is there: nothing but the interface causes them."""
+        return self.can.failed or bool(self._pulses & LINK_ERRORS)
+
     def evaluate(self) -> None:
         """Report what is wrong, and count what was not there before."""
         causes = self.causes

@@ -16,6 +16,20 @@ class Scale(NamedTuple):
     counts: int
 
 
+class Count(NamedTuple):
+    """How one parameter is counted: its scale, and what fits."""
+
+    full_scale: float
+    counts: int
+    low: int
+    high: int
+
+    def of(self, value: float) -> int:
+        """The 16 bits a value is sent as, 0..FFFFh; what does not fit is cut off."""
+        internal = round(value / self.full_scale * self.counts)
+        return min(max(self.low, internal), self.high) & 0xFFFF
+
+
 class Scaling:
     """Converts between what DcDesk shows and what TPDOs and RPDOs carry.
 
@@ -31,11 +45,10 @@ class Scaling:
         parameter = self._parameters.get(number)
         return parameter if parameter is not None and parameter.analogue else None
 
-    def internal(self, number: int, value: float) -> int:
-        """The 16 bits a value is sent as, 0..FFFFh; what does not fit is cut off."""
-        scale = self._scale(number)
-        low, high = SIGNED if self._parameters[number].signed else UNSIGNED
-        return min(max(low, round(value / scale.full_scale * scale.counts)), high) & 0xFFFF
+    def count(self, number: int) -> Count:
+        """How the parameter with this number is sent."""
+        limits = SIGNED if self._parameters[number].signed else UNSIGNED
+        return Count(*self._scale(number), *limits)
 
     def external(self, number: int, internal: int) -> float:
         """The value that the 16 unsigned bits of a CANopen sensor stand for."""

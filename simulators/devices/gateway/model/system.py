@@ -15,7 +15,7 @@ from simulators.devices.gateway.model.machines import Gateway, Governor, Tables
 from simulators.devices.gateway.model.options import Options
 from simulators.devices.gateway.model.parameters import Unit
 from simulators.devices.gateway.model.state import MasterCommand, State, Trouble
-from simulators.devices.gateway.model.timing import microseconds
+from simulators.devices.gateway.model.timing import NEVER, microseconds
 from simulators.devices.gateway.model.unit import Surroundings
 
 
@@ -45,10 +45,9 @@ class System:
         self.governor = Governor(around, tables, options)
         self.gateway = Gateway(around, tables, options)
         self._time, self._scaling = around.time, tables.scaling
-        self._units: dict[Unit, Governor | Gateway] = {
-            Unit.GOVERNOR: self.governor,
-            Unit.GATEWAY: self.gateway,
-        }
+        self._units: tuple[Governor | Gateway, ...] = (self.governor, self.gateway)
+        self._to_gateway = self.link.to[Unit.GATEWAY]
+        self._to_governor = self.link.to[Unit.GOVERNOR]
 
     def configure(self, content: Mapping[str, Mapping[Any, Any]]) -> None:
         """Deliver both units with these parameters, by number or name; acts at their next reset.
@@ -57,7 +56,7 @@ class System:
             ValueError: not `gateway` or `governor`, or a parameter that is refused; nothing is
                 changed then.
         """
-        units = {each.which.value: each for each in self._units.values()}
+        units = {each.which.value: each for each in self._units}
         for name, values in content.items():
             if name not in units or not isinstance(values, Mapping):
                 raise ValueError(f"{name!r} is not 'gateway' or 'governor' with parameters")
@@ -68,7 +67,7 @@ class System:
     @property
     def kept(self) -> dict[str, Any]:
         """What both units keep without power, as values for a file."""
-        return {each.which.value: kept(each) for each in self._units.values()}
+        return {each.which.value: kept(each) for each in self._units}
 
     def restore(self, values: Mapping[str, Any]) -> None:
         """Begin with what was kept; acts at the next reset.
@@ -76,17 +75,17 @@ class System:
         Raises:
             ValueError: something in it is not what was kept.
         """
-        for unit in self._units.values():
+        for unit in self._units:
             restore(unit, values.get(unit.which.value, {}))
 
     def power_on(self) -> None:
         """Switch both units on."""
-        for unit in self._units.values():
+        for unit in self._units:
             unit.reset()
 
     def power_off(self) -> None:
         """Switch both units off."""
-        for unit in self._units.values():
+        for unit in self._units:
             unit.power_off()
 
     def step(self, dt: float) -> None:
@@ -96,7 +95,7 @@ class System:
             ValueError: not such a multiple.
         """
         end = self._time.now + microseconds(dt)
-        while (due := self._due) is not None and due <= end:
+        while (due := self._due) <= end:
             self._time.now = due
             self._act(due)
         self._time.now = end
@@ -107,24 +106,21 @@ class System:
 
         A main cycle of the governor and what it hears are noticed when a telegram has come over.
         """
-        to_gateway, to_governor = self.link.to[Unit.GATEWAY], self.link.to[Unit.GOVERNOR]
-        visible = (self.gateway.due, to_gateway.due)
-        hidden = (self.governor.due, to_governor.due)
-        dues = [due for due in visible if due is not None]
-        dues += [due + to_gateway.delay for due in hidden if due is not None]
-        return (min(dues) - self._time.now) / 1_000_000 if dues else inf
+        hidden = min(self.governor.due, self._to_governor.due)
+        due = min(self.gateway.due, self._to_gateway.due, hidden + self._to_gateway.delay)
+        return (due - self._time.now) / 1_000_000 if due < NEVER else inf
 
     @property
-    def _due(self) -> int | None:
-        link = [each.due for each in self.link.to.values()]
-        dues = [due for due in (*link, self.governor.due, self.gateway.due) if due is not None]
-        return min(dues) if dues else None
+    def _due(self) -> int:
+        link = self._to_gateway.due, self._to_governor.due
+        return min(*link, self.governor.due, self.gateway.due)
 
     def _act(self, now: int) -> None:
-        for which, direction in self.link.to.items():  # a main cycle finds all that has arrived
-            while direction.due == now:
-                self._units[which].receive(direction.arrive())
-        for unit in self._units.values():
+        while self._to_gateway.due == now:  # a main cycle finds all that has arrived
+            self.gateway.receive(self._to_gateway.arrive())
+        while self._to_governor.due == now:
+            self.governor.receive(self._to_governor.arrive())
+        for unit in self._units:
             if unit.due == now:
                 unit.act()
 

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 from simulators.devices.gateway.model.canopen_errors import CanopenError
 from simulators.devices.gateway.model.state import GovernorCommand, State
@@ -83,8 +84,7 @@ class InitEnd:
     count: int
 
 
-@dataclass(frozen=True)
-class Binary:
+class Binary(NamedTuple):
     """Errors and engine state of the governor, every main cycle."""
 
     present: int
@@ -92,8 +92,7 @@ class Binary:
     errors: CanopenError
 
 
-@dataclass(frozen=True)
-class TpdoData:
+class TpdoData(NamedTuple):
     """The values of one analogue TPDO, internal, in the order of its slots."""
 
     number: int
@@ -159,8 +158,7 @@ Body = (
 )
 
 
-@dataclass(frozen=True)
-class Telegram:
+class Telegram(NamedTuple):
     """A body with the HEINZMANN CAN node numbers of sender and addressee."""
 
     sender: int

@@ -16,7 +16,7 @@ from simulators.devices.gateway.model.parameters import Catalogue, Parameter, Un
 from simulators.devices.gateway.model.programme import Programme
 from simulators.devices.gateway.model.store import Store
 from simulators.devices.gateway.model.telegrams import Telegram
-from simulators.devices.gateway.model.timing import Time, microseconds
+from simulators.devices.gateway.model.timing import NEVER, Time, microseconds
 
 P = TypeVar("P", bound=Programme)
 
@@ -72,7 +72,7 @@ class ControlUnit(ABC, Generic[P]):
         """Measurements nothing in the model makes, 3600 PowerSupply among them."""
         self.life = Life.OFF
         self.programme: P | None = None
-        self.due: int | None = None
+        self.due = NEVER
         """When the start tests or the running main cycle end, us."""
         self._failing = 0
 
@@ -88,9 +88,9 @@ class ControlUnit(ABC, Generic[P]):
 
     def power_off(self) -> None:
         """Lose what is not saved and do nothing any more."""
-        self.programme, self.due, self.life = None, None, Life.OFF
+        self.programme, self.due, self.life = None, NEVER, Life.OFF
         self.memory.clear()
-        self.link.bit_rates.pop(self.which, None)
+        self.link.disconnect(self.which)
 
     def act(self) -> None:
         """Do what is due: hand on from the bootloader, or one main cycle."""
@@ -101,7 +101,7 @@ class ControlUnit(ABC, Generic[P]):
             self.programme.tick()
 
     def _boot(self) -> None:
-        self.due = None
+        self.due = NEVER
         if self.bootloader.stays:
             self.life = Life.BOOTLOADER
             return
@@ -109,7 +109,7 @@ class ControlUnit(ABC, Generic[P]):
             self.memory.clear_counts()
         self.store.load(damaged=self.bootloader.damaged(Eeprom.PARAMETERS))
         if not self.store[4416]:
-            self.link.bit_rates[self.which] = self.store[416]
+            self.link.connect(self.which, self.store[416])
         self.life, self.programme = Life.RUNNING, self.start()
 
     def receive(self, telegram: Telegram) -> None:
