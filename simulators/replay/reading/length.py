@@ -24,8 +24,9 @@ def check_length(told: Sequence[AnyStep], steps: Sequence[Step], duration: float
     length = max([duration or 0.0, *map(_end, steps, begins)])
     for number, (place, step, begin) in enumerate(zip(places, steps, begins, strict=True)):
         with place.problems.at(place):
-            waits = duration is None and _waits(steps, number)
-            if _open(step) and length <= begin and not waits:
+            if not _open(step) or length > begin:
+                continue
+            if duration is not None or not _waits(steps, number):
                 raise UserError(IN_VAIN)
 
 
