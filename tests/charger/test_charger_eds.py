@@ -1,13 +1,12 @@
-import canopen
 import pytest
 from canopen.objectdictionary import ODVariable
+from charger_files import NODE_ID, entries, load, values
 
 from simulators.devices.charger.eds import text, write_all
 from simulators.devices.charger.model.types import PCSC, TYPES, Build, Variant
 from simulators.devices.charger.object_table import file_name, table
 from simulators.resources import od_file
 
-NODE_ID = 99
 OBJECTS = {  # index: number of entries, as the overview of the manual and its tables have them
     0x1000: 1,
     0x1001: 1,
@@ -41,23 +40,6 @@ ONLY_IN_A = {(0x2001, 0x0D), (0x2001, 0x0E)} | {
     (0x2002, sub) for sub in (0x1E, 0x1F, 0x20, 0x21, 0x22, 0x25, 0x26, 0x27, 0x28)
 }
 BUILDS = [Build(kind, variant) for kind in TYPES.values() for variant in Variant]
-
-
-def load(kind=PCSC, variant=Variant.A):
-    with od_file(file_name(Build(kind, variant))) as path:
-        return canopen.import_od(str(path), NODE_ID)
-
-
-def entries(od):
-    found = {}
-    for item in od.values():
-        subs = {0: item} if isinstance(item, ODVariable) else item.subindices
-        found |= {(item.index, sub): variable for sub, variable in subs.items()}
-    return found
-
-
-def values(od, index):
-    return [variable.default for variable in od[index].subindices.values()]
 
 
 @pytest.fixture(scope="module")

@@ -1,30 +1,8 @@
-import canopen
 import pytest
-from canopen.objectdictionary import ODVariable
 from canopen.objectdictionary.datatypes import INTEGER16, UNSIGNED8, UNSIGNED16, UNSIGNED32
+from charger_files import entries, load
 
-from simulators.devices.charger.eds import file_name
-from simulators.devices.charger.model.types import PCMT, PCSC, PCTL, TYPES, Build, Variant
-from simulators.resources import od_file
-
-NODE_ID = 99
-
-
-def load(kind=PCSC, variant=Variant.A):
-    with od_file(file_name(Build(kind, variant))) as path:
-        return canopen.import_od(str(path), NODE_ID)
-
-
-def entries(od):
-    found = {}
-    for item in od.values():
-        subs = {0: item} if isinstance(item, ODVariable) else item.subindices
-        found |= {(item.index, sub): variable for sub, variable in subs.items()}
-    return found
-
-
-def values(od, index):
-    return [variable.default for variable in od[index].subindices.values()]
+from simulators.devices.charger.model.types import PCMT, PCSC, PCTL, TYPES
 
 
 @pytest.fixture(scope="module")
