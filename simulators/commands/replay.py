@@ -9,7 +9,8 @@ from tempfile import TemporaryDirectory
 
 from simulators.exit_codes import FAILED, OK
 from simulators.plot import Plot
-from simulators.record import Recorded, Side, differences, print_frames, record, reproduce
+from simulators.record import Recorded, Side, differences, record, reproduce
+from simulators.replay import print_frames
 
 log = logging.getLogger(__name__)
 

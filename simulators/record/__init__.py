@@ -6,7 +6,7 @@ from simulators.record.recorded import Recorded
 from simulators.record.recorder import record
 from simulators.record.reproduce import reproduce
 from simulators.record.side import Side
-from simulators.record.trace import Observer, print_frames, trace_file
+from simulators.record.trace import Observer, trace_file
 
 __all__ = [
     "Observer",
@@ -14,7 +14,6 @@ __all__ = [
     "Side",
     "about",
     "differences",
-    "print_frames",
     "record",
     "reproduce",
     "trace_file",

@@ -10,8 +10,8 @@ from simulators.decode import Decoder
 from simulators.record.about import About
 from simulators.record.events import END, HEARD, STATE, EventLine, write_event
 from simulators.record.part import folder_part
-from simulators.record.trace import Observer, print_frames
-from simulators.replay import Player
+from simulators.record.trace import Observer
+from simulators.replay import Player, print_frames
 from simulators.replay.player import Event
 from simulators.replay.signs import EmcyLike
 from simulators.segment import Segment

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TextIO
 
 import can
 from can.io.generic import MessageWriter
@@ -11,7 +10,7 @@ from can.io.generic import MessageWriter
 from simulators.errors import UserError
 from simulators.record.part import file_part
 from simulators.replay import Player
-from simulators.segment import Record, Segment
+from simulators.segment import Segment
 from simulators.wire import Frame
 
 CHANNEL = "can0"
@@ -112,18 +111,6 @@ def trace_file(path: Path) -> Iterator[Observer]:
             segment.listeners.append(hear)
 
         yield attach
-
-
-def print_frames(file: TextIO) -> Observer:
-    """Writes every frame to a text file as `candump -L` does."""
-
-    def attach(segment: Segment, player: Player | None) -> None:
-        def hear(frame: Frame, sender: str) -> None:
-            file.write(f"{Record(segment.clock.now, frame, sender)}\n")
-
-        segment.listeners.append(hear)
-
-    return attach
 
 
 def message(frame: Frame, time: float, heard: bool) -> can.Message:

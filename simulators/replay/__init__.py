@@ -13,7 +13,7 @@ whole map. Bench files say in the same words who is on a bus.
 
 from simulators.documents.problems import DocumentError as ScenarioError
 from simulators.replay.load import load, load_bench
-from simulators.replay.play import begin, finish, play
+from simulators.replay.play import begin, finish, play, print_frames
 from simulators.replay.player import Event, Player
 from simulators.replay.scenario import Scenario
 from simulators.replay.verdict import Kind, Outcome, Verdict
@@ -31,4 +31,5 @@ __all__ = [
     "load",
     "load_bench",
     "play",
+    "print_frames",
 ]

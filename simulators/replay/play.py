@@ -33,14 +33,8 @@ def play(
     if scenario.bit_rate is not None:
         segment.limit(scenario.bit_rate)
     nodes = {name: segment.node(spec.create(), name) for name, spec in scenario.nodes.items()}
-
-    def write(frame: Frame, sender: str) -> None:
-        if trace is not None:
-            trace.write(f"{Record(segment.clock.now, frame, sender)}\n")
-
-    segment.listeners.append(write)
     player = Player(scenario, segment, nodes)
-    begin(segment, player, observers)
+    begin(segment, player, observers if trace is None else [print_frames(trace), *observers])
     segment.deliver()
     finish(player, segment, progress)
     return player.verdict
@@ -58,6 +52,18 @@ def begin(
         player.start()
     for node in segment.nodes:
         node.power_on()
+
+
+def print_frames(file: TextIO) -> Callable[[Segment, object], None]:
+    """An observer that writes every frame to a text file as `candump -L` does."""
+
+    def attach(segment: Segment, player: object) -> None:
+        def hear(frame: Frame, sender: str) -> None:
+            file.write(f"{Record(segment.clock.now, frame, sender)}\n")
+
+        segment.listeners.append(hear)
+
+    return attach
 
 
 def finish(

@@ -7,7 +7,8 @@ from probe import Probe
 
 from simulators.clock import microseconds
 from simulators.errors import UserError
-from simulators.record import print_frames, trace_file
+from simulators.record import trace_file
+from simulators.replay import print_frames
 from simulators.segment import Segment
 from simulators.wire import Frame
 
