@@ -5,8 +5,9 @@ from pytest_benchmark.fixture import BenchmarkFixture
 
 from benchmarks import peers
 from simulators import devices
+from simulators.frame import Frame
+from simulators.mischief import connect
 from simulators.segment import Segment
-from simulators.wire import Frame
 
 FRAMES = {
     "foreign": Frame.parse("123#00"),
@@ -25,7 +26,7 @@ OPERATIONAL = Frame.parse("000#0105")
 def segment() -> Segment:
     """A TopCon in Operational, its output off and at rest, TPDO 1 of type 1."""
     segment = Segment()
-    segment.node(devices.create("topcon", node_id=peers.NODE_ID), "topcon").power_on()
+    connect(segment, devices.create("topcon", node_id=peers.NODE_ID), "topcon").power_on()
     segment.deliver()
     segment.send(TPDO1_ON_EVERY_SYNC)
     segment.send(OPERATIONAL)

@@ -10,6 +10,7 @@ from pytest_benchmark.fixture import BenchmarkFixture
 
 from benchmarks import peers
 from simulators import Bench, devices
+from simulators.mischief import connect
 from simulators.segment import Segment
 from simulators.serve import serve
 
@@ -27,7 +28,7 @@ def upload(remote, name: str) -> Callable[[], bytes]:
 def served(channel: str) -> Iterator[None]:
     """A TopCon on a `virtual` bus, in a thread of its own."""
     segment = Segment()
-    segment.node(devices.create("topcon", node_id=peers.NODE_ID), "topcon").power_on()
+    connect(segment, devices.create("topcon", node_id=peers.NODE_ID), "topcon").power_on()
     ready, stop = Event(), Event()
 
     def run() -> None:

@@ -9,6 +9,7 @@ from library.proofs import Fact, Injected, Proof, Told, Value, shipped
 from simulators import devices
 from simulators.faults import Fault
 from simulators.messages import BitMessage, EmcyMessage, Message
+from simulators.mischief import connect
 from simulators.replay.signs import Range
 from simulators.resources import od_file
 from simulators.segment import Segment
@@ -58,7 +59,7 @@ def faults_of_all() -> Iterator[Row]:
 
 
 def _known(device: str) -> dict[str, Fault]:
-    return dict(Segment().node(devices.create(device), device).faults.known)
+    return dict(connect(Segment(), devices.create(device), device).faults.known)
 
 
 def _covers(statement: str, proof: Proof) -> bool:

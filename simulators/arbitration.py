@@ -6,7 +6,8 @@ from itertools import count
 
 from simulators.bits import length
 from simulators.clock import Clock
-from simulators.wire import Frame, Outbox, Wire
+from simulators.frame import Frame
+from simulators.wire import Outbox, Wire
 
 
 class Arbitration:

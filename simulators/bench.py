@@ -7,9 +7,11 @@ import canopen
 
 from simulators import devices
 from simulators.device import Device
+from simulators.frame import Frame
+from simulators.node import Node
 from simulators.segment import Record, Segment
 from simulators.twin import Twin
-from simulators.wire import Frame, PeriodicFrame
+from simulators.wire import PeriodicFrame
 
 
 class Bench:
@@ -35,7 +37,7 @@ class Bench:
         return bench
 
     def _connect(self, parts: Mapping[str, Device]) -> None:
-        self.segment = Segment()
+        self.segment: Segment[Node] = Segment()
         self.clock = self.segment.clock
         self.trace: list[Record] = []
         self.master: canopen.Network = Master(self.segment)
@@ -137,7 +139,7 @@ def _device(what: tuple[str, int] | Device) -> Device:
 class Master(canopen.Network):
     """The master's end of a segment: what it sends, the twins have answered when this returns."""
 
-    def __init__(self, segment: Segment) -> None:
+    def __init__(self, segment: Segment[Node]) -> None:
         super().__init__()
         self._segment = segment
         segment.listeners.append(self._hear)

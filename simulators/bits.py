@@ -1,6 +1,6 @@
 """How long a frame takes on the bus: bits with stuffing (ISO 11898-1)."""
 
-from simulators.wire import Frame
+from simulators.frame import Frame
 
 CRC_POLYNOMIAL = 0x4599
 CRC_BITS = 15

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from canopen import SdoAbortedError
 
 from simulators.entry import Entry
+from simulators.frame import Frame
 from simulators.node import Node
 from simulators.objects import Rejected
 from simulators.services.emcy import Emcy, emcy_of
@@ -14,7 +15,6 @@ from simulators.services.pdo import Pdo
 from simulators.services.rpdo import Rpdo
 from simulators.services.tpdo import Tpdo
 from simulators.slave import Slave
-from simulators.wire import Frame
 
 COMMANDS: Mapping[int, str] = {
     **{command: state.lower() for command, state in TARGET.items()},

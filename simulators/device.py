@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 from canopen import ObjectDictionary
 
 from simulators.chart import Chart
+from simulators.dictionary import dictionary
 from simulators.errors import UserError
 from simulators.faults import Fault
 from simulators.memory import Memory
@@ -19,7 +20,7 @@ from simulators.services.emcy import Emcy, Farewell, when_all_are_gone
 from simulators.services.rpdo import Rpdo
 from simulators.services.tpdo import Tpdo
 from simulators.settings import NodeSettings, changed
-from simulators.slave import Slave, dictionary
+from simulators.slave import Slave
 
 
 class Device:

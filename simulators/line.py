@@ -10,7 +10,7 @@ import can
 from can.interfaces.udp_multicast import UdpMulticastBus
 
 from simulators.errors import UserError
-from simulators.wire import Frame
+from simulators.frame import Frame
 
 log = logging.getLogger(__name__)
 

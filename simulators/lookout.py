@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 import can
 
 from simulators.errors import UserError
+from simulators.frame import Frame
 from simulators.line import OpenBus
-from simulators.wire import Frame
 
 ANSWERS = (0x080, 0x580, 0x700)  # EMCY, SDO, heartbeat: what only the node itself sends
 

@@ -11,13 +11,14 @@ from math import inf, isfinite
 from simulators.clock import MICROSECONDS, Action, Clock, Scope, Timer, microseconds
 from simulators.device import Device
 from simulators.faults import Faults
+from simulators.frame import Frame
 from simulators.services import Handler, State
 from simulators.services.emcy import EmcyLog
 from simulators.services.nmt import Reset
 from simulators.services.store import recall
 from simulators.slave import Slave
 from simulators.stack import Stack
-from simulators.wire import Frame, Outbox, Wire, through
+from simulators.wire import Outbox, Wire, through
 
 COMMUNICATION_AREA = range(0x1000, 0x2000)
 EVERYTHING = range(0x1000, 0x10000)

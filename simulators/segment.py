@@ -1,16 +1,13 @@
-"""A CAN segment: twins on one bus and one clock, and whoever listens to their frames."""
+"""A CAN segment: nodes on one bus and one clock, and whoever listens to their frames."""
 
 from collections import deque
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Generic, NamedTuple, Protocol, TypeVar
 
-from simulators import mischief
 from simulators.arbitration import Arbitration
 from simulators.clock import Clock
-from simulators.device import Device
-from simulators.errors import UserError
-from simulators.node import Node
-from simulators.wire import Frame, Outbox, Wire
+from simulators.frame import Frame
+from simulators.wire import Outbox, Wire
 
 Listener = Callable[[Frame, str], None]
 """Called with a frame and the name of who sent it, empty for one from outside."""
@@ -30,16 +27,28 @@ class Record(NamedTuple):
         return f"({self.time:017.6f}) can0 {self.frame}"
 
 
-class Segment:
+class End(Protocol):
+    """Who is on a segment: it sends by its wire, and hears what the others send."""
+
+    wire: Wire
+
+    def receive(self, frame: Frame) -> None:
+        """Take a frame from the bus; what the end sends is in the outbox afterwards."""
+
+
+AnyEnd = TypeVar("AnyEnd", bound=End)
+
+
+class Segment(Generic[AnyEnd]):
     """What one node sends, all others and every listener get, in the order in which it was sent."""
 
     def __init__(self) -> None:
         self.clock = Clock()
-        self.nodes: list[Node] = []
+        self.nodes: list[AnyEnd] = []
         self.listeners: list[Listener] = []
-        self._outbox: Outbox = deque()
-        self._foreign = Wire(self.clock, self._outbox)
-        self._touched: list[Node] = []
+        self.outbox: Outbox = deque()
+        self._foreign = Wire(self.clock, self.outbox)
+        self._touched: list[Callable[[], None]] = []
         self._bus: Arbitration | None = None
 
     def limit(self, bit_rate: int) -> None:
@@ -51,43 +60,28 @@ class Segment:
         """Whether frames take their time."""
         return self._bus is not None
 
-    def node(self, device: Device, name: str) -> Node:
-        """Connect a device by a name of its own, with its power off.
-
-        Raises:
-            UserError: another node has this node id.
-        """
-        for other in self.nodes:
-            if other.device.node_id == device.node_id:
-                raise UserError(f"two nodes with node id {device.node_id} on one bus")
-        node = Node(device, self.clock, self._outbox, name)
-        node.faults = mischief.faults(node, self.nodes)
-        self.nodes.append(node)
-        return node
-
     def master(self, name: str) -> Wire:
         """An end of the bus for somebody who is no node: `put` frames there, then `deliver`.
 
         Unlike frames from outside, theirs carry a name: whoever brings the segment to a real bus
         takes them along.
         """
-        return Wire(self.clock, self._outbox, name)
+        return Wire(self.clock, self.outbox, name)
 
-    def touch(self, node: Node) -> None:
-        """Somebody holds the device of a node in his hands: see to it before anything else."""
-        self._touched.append(node)
+    def touch(self, see_to: Callable[[], None]) -> None:
+        """Somebody holds a device of a node in his hands: see to it before anything else."""
+        self._touched.append(see_to)
 
     def _see_to_touched(self) -> None:
         while self._touched:
-            with self._touched.pop().acting():
-                pass
+            self._touched.pop()()
             self.deliver()
 
     def send(self, frame: Frame) -> None:
         """Put a frame on the bus that comes from outside; the answers are out after."""
         if self._touched:
             self._see_to_touched()
-        self._outbox.append((self._foreign, frame))
+        self.outbox.append((self._foreign, frame))
         self.deliver()
 
     def deliver(self) -> None:
@@ -96,7 +90,7 @@ class Segment:
         Listeners come after the nodes, as they may send in turn: no node hears the reply to a
         frame before the frame. They hear the frame that brings a bug to light, too.
         """
-        arrived = self._outbox if self._bus is None else self._bus.arrived
+        arrived = self.outbox if self._bus is None else self._bus.arrived
         while arrived:
             sender, frame = arrived.popleft()
             try:
@@ -107,7 +101,7 @@ class Segment:
                 for listener in self.listeners:
                     listener(frame, sender.name)
         if self._bus is not None:
-            self._bus.take(self._outbox)
+            self._bus.take(self.outbox)
 
     def advance(self, seconds: float) -> None:
         """Let time pass; frames are delivered at the moment they are sent."""

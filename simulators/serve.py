@@ -5,6 +5,7 @@ import time
 from collections.abc import Callable
 
 from simulators.line import Line, OpenBus
+from simulators.node import Node
 from simulators.segment import Segment
 
 log = logging.getLogger(__name__)
@@ -14,7 +15,7 @@ LONGEST_GAP = 1.0  # seconds of real time that are made up for
 
 
 def serve(
-    segment: Segment,
+    segment: Segment[Node],
     open_bus: OpenBus,
     stopped: Callable[[], bool],
     ready: Callable[[], None] | None = None,
@@ -40,7 +41,7 @@ def serve(
 
 
 def drive(
-    segment: Segment,
+    segment: Segment[Node],
     line: Line,
     stopped: Callable[[], bool],
     wall: Callable[[], float] = time.monotonic,

@@ -12,11 +12,12 @@ import can
 
 from simulators import devices
 from simulators.device import Device
+from simulators.frame import Frame
+from simulators.mischief import connect
 from simulators.node import Node
 from simulators.report import SHOWN, scene
 from simulators.segment import Record, Segment
 from simulators.serve import serve
-from simulators.wire import Frame
 
 PATIENCE = 10.0  # seconds for the thread to do what it is asked
 
@@ -27,8 +28,8 @@ class Served(AbstractContextManager["Served"]):
     def __init__(self, device: str, settings: Mapping[str, object], bus: Mapping[str, Any]) -> None:
         self.bus = dict(bus)
         """What to open to be on the same bus: `can.Bus(**served.bus)`."""
-        self._segment = Segment()
-        self._node: Node = self._segment.node(devices.create(device, **settings), device)
+        self._segment: Segment[Node] = Segment()
+        self._node: Node = connect(self._segment, devices.create(device, **settings), device)
         self._segment.listeners.append(self._record)
         self._records: deque[Record] = deque(maxlen=SHOWN)
         self._orders: SimpleQueue[Callable[[], None]] = SimpleQueue()

@@ -6,6 +6,7 @@ import canopen
 
 from simulators.device import Device
 from simulators.errors import UserError
+from simulators.mischief import connect
 from simulators.node import Node
 from simulators.segment import Segment
 
@@ -14,21 +15,24 @@ class Twin:
     """A device by its name on a segment, and the canopen network of the master beside it."""
 
     def __init__(
-        self, name: str, device: Device, segment: Segment, master: canopen.Network
+        self, name: str, device: Device, segment: Segment[Node], master: canopen.Network
     ) -> None:
         self.name = name
-        self.node: Node = segment.node(device, name)
+        self.node: Node = connect(segment, device, name)
         self._segment = segment
         self._master = master
 
     @property
     def device(self) -> Any:
         """The device itself as it is at this moment, to look at its model or to act on it."""
-        with self.node.acting() as device:
-            pass
+        self._see_to_it()
         self._segment.deliver()
-        self._segment.touch(self.node)
-        return device
+        self._segment.touch(self._see_to_it)
+        return self.node.device
+
+    def _see_to_it(self) -> None:
+        with self.node.acting():
+            pass
 
     @property
     def remote(self) -> canopen.RemoteNode:

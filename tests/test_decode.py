@@ -2,7 +2,7 @@ import pytest
 
 from simulators.bench import Bench
 from simulators.decode import Decoder
-from simulators.wire import Frame
+from simulators.frame import Frame
 
 WORDS = [
     ("000#0105", "NMT operational, node 5"),

@@ -2,7 +2,7 @@ import pytest
 
 from simulators.clock import Clock
 from simulators.diary import KEPT, UNBORN, Diary
-from simulators.wire import Frame
+from simulators.frame import Frame
 
 
 @pytest.fixture

@@ -3,8 +3,8 @@ import pytest
 from can.interfaces.virtual import VirtualBus, channels
 
 from simulators.errors import UserError
+from simulators.frame import Frame
 from simulators.lookout import looking
-from simulators.wire import Frame
 
 PATIENCE = 5.0
 

@@ -3,8 +3,9 @@ from probe import Probe, configure
 
 from simulators import Bench
 from simulators.errors import UserError
+from simulators.frame import Frame
+from simulators.mischief import connect
 from simulators.segment import Segment
-from simulators.wire import Frame
 
 READ_TYPE = Frame.parse("605#4000100000000000")
 
@@ -17,21 +18,21 @@ def pair():
 
 def test_two_nodes_of_one_id_are_refused():
     segment = Segment()
-    segment.node(Probe(5), "left")
+    connect(segment, Probe(5), "left")
     with pytest.raises(UserError, match="node id 5"):
-        segment.node(Probe(5), "right")
+        connect(segment, Probe(5), "right")
 
 
 def test_a_node_is_connected_with_its_power_off():
     segment = Segment()
-    node = segment.node(Probe(5), "probe")
+    node = connect(segment, Probe(5), "probe")
     segment.send(READ_TYPE)
     assert not node.powered
 
 
 def test_listeners_hear_every_frame_in_its_order_with_its_sender():
     segment, heard = Segment(), []
-    segment.node(Probe(5), "probe").power_on()
+    connect(segment, Probe(5), "probe").power_on()
     segment.listeners.append(lambda frame, sender: heard.append((sender, str(frame))))
     segment.send(READ_TYPE)
     assert heard == [
@@ -128,7 +129,7 @@ def test_the_trace_has_the_frame_that_brought_a_bug_to_light(pair):
 
 def test_a_master_on_the_segment_is_heard_by_its_name_and_by_the_nodes():
     segment, heard = Segment(), []
-    segment.node(Probe(5), "probe").power_on()
+    connect(segment, Probe(5), "probe").power_on()
     segment.deliver()
     segment.listeners.append(lambda frame, sender: heard.append((str(frame), sender)))
     segment.master("tester").put(Frame.parse("605#4000100000000000"))

@@ -10,10 +10,11 @@ from can.interfaces.virtual import VirtualBus, channels
 from probe import LEVEL, Probe
 
 from simulators.errors import UserError
+from simulators.frame import Frame
 from simulators.line import Line
+from simulators.mischief import connect
 from simulators.segment import Segment
 from simulators.serve import LONGEST_WAIT, drive, serve
-from simulators.wire import Frame
 
 canopen.Network.NOTIFIER_CYCLE = 0.01  # disconnecting waits for it
 
@@ -89,7 +90,7 @@ def master(channel):
 @pytest.fixture
 def segment():
     segment = Segment()
-    segment.node(Probe(), "probe").power_on()
+    connect(segment, Probe(), "probe").power_on()
     return segment
 
 
@@ -136,7 +137,7 @@ def test_frames_of_other_kinds_are_left_alone(served):
 
 
 def test_a_frame_of_one_node_reaches_the_others_and_the_bus(segment, channel, master):
-    other = segment.node(Probe(node_id=6), "other")
+    other = connect(segment, Probe(node_id=6), "other")
     other.power_on()
     with serving(segment, lambda: VirtualBus(channel)):
         assert [master.hear(), master.hear()] == ["705#00", "706#00"]

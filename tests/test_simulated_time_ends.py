@@ -8,8 +8,8 @@ import threaded_master
 from threaded_master import connect
 
 from simulators import Bench
+from simulators.dictionary import dictionary
 from simulators.simulated_time import SimulatedTimeError, simulated_time
-from simulators.slave import dictionary
 
 
 @pytest.fixture

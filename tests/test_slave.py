@@ -3,9 +3,10 @@ from canopen import SdoAbortedError
 from probe import Probe
 
 from simulators.clock import Clock, Scope
+from simulators.dictionary import dictionary
 from simulators.objects import Abort, Object, Rejected
 from simulators.profile import Profile
-from simulators.slave import Slave, dictionary
+from simulators.slave import Slave
 from simulators.wire import Wire
 
 BYTE, WORD, LIMITED, TEXT, DOMAIN = (

@@ -5,7 +5,8 @@ from hypothesis import strategies as st
 
 from simulators.clock import Clock
 from simulators.errors import UserError
-from simulators.wire import Frame, Wire, pattern, through
+from simulators.frame import Frame, pattern
+from simulators.wire import Wire, through
 
 DATA = st.binary(max_size=8)
 STANDARD = st.builds(Frame, st.integers(0, 0x7FF), DATA, st.just(False), st.just(False))

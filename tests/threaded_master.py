@@ -8,7 +8,7 @@ from time import sleep as pause
 
 import canopen
 
-from simulators.slave import dictionary
+from simulators.dictionary import dictionary
 
 
 class Poller(threading.Thread):

@@ -8,7 +8,7 @@ from itertools import groupby
 from simulators import devices
 from simulators.device import Device
 from simulators.faults import Fault, Parameter
-from simulators.mischief import AIM
+from simulators.mischief import AIM, connect
 from simulators.segment import Segment
 
 OF_THE_PROTOCOL = ("code", "cob_id", "identifier", "value")
@@ -19,7 +19,7 @@ HEADINGS = {"device": "Of this device:"}
 def faults(options: argparse.Namespace) -> int:
     """Every fault with what a master should see of it and its parameters, as text or as JSON."""
     device = devices.create(options.device) if options.device else Device()
-    known = Segment().node(device, "").faults.known
+    known = connect(Segment(), device, "").faults.known
     if options.json:
         print(json.dumps({name: _entry(fault) for name, fault in known.items()}, indent=2))
         return 0

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TextIO
 
+from simulators.node import Node
 from simulators.replay import Player
 from simulators.segment import Segment
 
@@ -16,7 +17,7 @@ WIDTH = 60
 class Progress:
     """Says nothing."""
 
-    def attach(self, segment: Segment, player: Player) -> None:
+    def attach(self, segment: Segment[Node], player: Player) -> None:
         """A run begins."""
 
     def tell(self, now: float) -> None:
@@ -49,7 +50,7 @@ class Line(Progress):
         self._written = False
         self._player: Player | None = None
 
-    def attach(self, segment: Segment, player: Player) -> None:
+    def attach(self, segment: Segment[Node], player: Player) -> None:
         """It knows how long the run will be, as far as anybody does."""
         self._player = player
 

@@ -19,6 +19,8 @@ from simulators.errors import UserError
 from simulators.exit_codes import FAILED, OK
 from simulators.line import OpenBus
 from simulators.lookout import looking
+from simulators.mischief import connect
+from simulators.node import Node
 from simulators.segment import Segment
 from simulators.serve import serve
 
@@ -32,12 +34,13 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _run(options: argparse.Namespace, wishes: Wishes) -> int:
-    segment, announcer = Segment(), Announcer(options)
+    segment: Segment[Node] = Segment()
+    announcer = Announcer(options)
     if announcer.wanted and not options.scenario:
         raise UserError("--json and --junit tell of a verdict: say which with --scenario")
     scenario = load(options.scenario) if options.scenario else None
     devices = participants(options, scenario)
-    nodes = {name: segment.node(device, name) for name, device in devices.items()}
+    nodes = {name: connect(segment, device, name) for name, device in devices.items()}
     player = replay.Player(scenario, segment, nodes) if scenario else None
     bus = place(options)
     name = title(options, scenario)
@@ -55,7 +58,7 @@ def _run(options: argparse.Namespace, wishes: Wishes) -> int:
 
 
 @contextmanager
-def _off_in_the_end(segment: Segment) -> Iterator[None]:
+def _off_in_the_end(segment: Segment[Node]) -> Iterator[None]:
     """Whatever comes, the devices keep what they keep when their supply goes."""
     try:
         yield
@@ -74,7 +77,7 @@ def _told(player: replay.Player, announcer: Announcer, wishes: Wishes) -> int:
     return OK if player.verdict.ok else FAILED
 
 
-def _opening(bus: Place, segment: Segment) -> OpenBus:
+def _opening(bus: Place, segment: Segment[Node]) -> OpenBus:
     """With a look whether somebody is there who has one of our node ids."""
     if bus.private:
         return bus.open
@@ -82,7 +85,7 @@ def _opening(bus: Place, segment: Segment) -> OpenBus:
     return looking(bus.open, node_ids, LOOK if bus.virtual else LONG_LOOK)
 
 
-def _who(name: str, segment: Segment) -> dict[str, object]:
+def _who(name: str, segment: Segment[Node]) -> dict[str, object]:
     """One node id, or those of all nodes of a file."""
     ids = {node.wire.name: node.node_id for node in segment.nodes}
     return {"node_id": ids[name]} if name in ids else {"nodes": ids}

@@ -13,11 +13,11 @@ from simulators.commands.catalogue import TYPES
 from simulators.commands.chosen import chosen
 from simulators.entry import Entry
 from simulators.errors import UserError
+from simulators.frame import Frame
 from simulators.kinds import convert
 from simulators.objects import Address
 from simulators.replay.targets import Targets
 from simulators.why import sections
-from simulators.wire import Frame
 
 LONGEST_BOOT, GRAIN = 60.0, 0.1  # seconds
 START = 0x01

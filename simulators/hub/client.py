@@ -6,9 +6,9 @@ from collections import deque
 
 import can
 
+from simulators.frame import Frame
 from simulators.hub.address import Address
 from simulators.hub.protocol import Refused, Stream, element, read_delivered, sent
-from simulators.wire import Frame
 
 PATIENCE = 2.0  # seconds for the hub to take or to answer something
 CHUNK = 1 << 16  # bytes

@@ -6,7 +6,7 @@ https://github.com/linux-can/socketcand/blob/master/doc/protocol.md
 import re
 from collections.abc import Iterator
 
-from simulators.wire import Frame
+from simulators.frame import Frame
 
 LONGEST = 128  # bytes of an element; a frame has 60 at most
 SEND = re.compile(r"send (?P<id>[0-9A-Fa-f]{1,8}) (?P<length>[0-8])(?P<data>( [0-9A-Fa-f]{1,2})*)")

@@ -3,8 +3,8 @@
 import time
 from typing import Protocol
 
+from simulators.frame import Frame
 from simulators.hub.protocol import delivered
-from simulators.wire import Frame
 
 
 class Client(Protocol):

@@ -1,10 +1,12 @@
 """What can go wrong with every device: on the bus between it and the master, and with its supply.
 
-A segment adds these to the faults that a device has of its own.
+Whoever connects a device to a segment adds these to the faults that it has of its own.
 """
 
 from collections.abc import Mapping
 
+from simulators.device import Device
+from simulators.errors import UserError
 from simulators.faults import Fault, Faults
 from simulators.mischief.disturbance import Kind, Place, fault
 from simulators.mischief.emcy import EMCY
@@ -14,14 +16,30 @@ from simulators.mischief.pdo import PDO
 from simulators.mischief.sdo import SDO
 from simulators.mischief.turn import AIM
 from simulators.node import Node
+from simulators.segment import Segment
 
-__all__ = ["AIM", "LEVELS", "faults"]
+__all__ = ["AIM", "LEVELS", "connect", "faults"]
 
 LEVELS: Mapping[str, Mapping[str, Kind]] = {
     "protocol": {**SDO, **PDO, **EMCY},
     "node": NODE,
     "line": LINE,
 }
+
+
+def connect(segment: Segment[Node], device: Device, name: str) -> Node:
+    """Connect a device to a segment by a name of its own, with its power off.
+
+    Raises:
+        UserError: another node has this node id.
+    """
+    for other in segment.nodes:
+        if other.device.node_id == device.node_id:
+            raise UserError(f"two nodes with node id {device.node_id} on one bus")
+    node = Node(device, segment.clock, segment.outbox, name)
+    node.faults = faults(node, segment.nodes)
+    segment.nodes.append(node)
+    return node
 
 
 def faults(node: Node, nodes: list[Node]) -> Faults:

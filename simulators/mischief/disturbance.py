@@ -9,11 +9,12 @@ from functools import partial
 
 from simulators.clock import Scope
 from simulators.faults import Fault, Parameter
+from simulators.frame import Frame
 from simulators.mischief.effects import Effect
 from simulators.mischief.turn import Turn
 from simulators.node import Node
 from simulators.slave import Slave
-from simulators.wire import Filter, Frame, Onward
+from simulators.wire import Filter, Onward
 
 Fits = Callable[[Node, Frame], bool]
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable
 from random import Random
 
 from simulators.clock import Timing
-from simulators.wire import Frame
+from simulators.frame import Frame
 
 Effect = Callable[[Frame], Iterable[tuple[float, Frame]]]
 """The frames that go on instead, each after so many seconds."""

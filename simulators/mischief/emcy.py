@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 
 from simulators.faults import Parameter
+from simulators.frame import Frame
 from simulators.mischief.disturbance import Disturbance, Filtering, Kind, Place
 from simulators.mischief.effects import doubled, lost
 from simulators.mischief.turn import AIM, Turn
 from simulators.node import Node
 from simulators.services import State
 from simulators.services.emcy import FIELD_LENGTH, Emcy, emcy_data, emcy_id
-from simulators.wire import Frame
 
 TELLING = frozenset({State.PRE_OPERATIONAL, State.OPERATIONAL})
 

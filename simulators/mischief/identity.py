@@ -2,10 +2,11 @@
 
 from simulators.entry import Entry
 from simulators.errors import UserError
+from simulators.frame import Frame
 from simulators.mischief.disturbance import Disturbance, Place
 from simulators.objects import Address, Object
 from simulators.slave import Slave
-from simulators.wire import Frame, Onward
+from simulators.wire import Onward
 
 
 class Counterfeit(Disturbance):

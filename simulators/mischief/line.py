@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 from simulators.faults import Parameter
+from simulators.frame import STANDARD_IDS
 from simulators.mischief.disturbance import Filtering, Kind, Place
 from simulators.mischief.effects import Effect, corrupted, doubled, jittered, late, lost
 from simulators.mischief.line_filters import (
@@ -15,7 +16,6 @@ from simulators.mischief.line_filters import (
     looks_like,
 )
 from simulators.mischief.turn import AIM, Turn
-from simulators.wire import STANDARD_IDS
 
 LOOK = "185#D007xxxx: x is any digit, * any rest"
 FRAME = {"frame": Parameter(LOOK, "xxx#*", str)}

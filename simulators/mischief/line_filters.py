@@ -3,11 +3,12 @@
 from functools import partial
 
 from simulators.bits import length
+from simulators.frame import Frame, pattern
 from simulators.mischief.disturbance import Disturbance, Filtering, Fits, Place, Side
 from simulators.mischief.effects import lost
 from simulators.mischief.turn import Turn
 from simulators.node import Node
-from simulators.wire import Frame, Onward, Wire, pattern
+from simulators.wire import Onward, Wire
 
 
 class LineFilter(Filtering):

@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 
 from simulators.faults import Parameter
+from simulators.frame import Frame
 from simulators.mischief.disturbance import Filtering, Kind
 from simulators.mischief.effects import altered, jittered, late, lost, repeated
 from simulators.mischief.identity import Firmware, Identity
 from simulators.mischief.supply import Duplicate, ResetLoop, Supply
 from simulators.mischief.turn import AIM, Turn
 from simulators.node import Node
-from simulators.wire import Frame
 
 BOOT_UP = b"\0"
 SECONDS = Parameter("by how much, in s", 1.0, low=0)

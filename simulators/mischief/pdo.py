@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 from simulators.errors import UserError
 from simulators.faults import Parameter
+from simulators.frame import LONGEST, STANDARD_IDS, Frame
 from simulators.mischief.disturbance import Filtering, Fits, Kind, Place
 from simulators.mischief.effects import altered, frozen, jittered, lost, renamed
 from simulators.mischief.turn import AIM, Turn
@@ -11,7 +12,6 @@ from simulators.node import Node
 from simulators.services import cob_id as cob_ids
 from simulators.services.tpdo import Tpdo
 from simulators.slave import Slave
-from simulators.wire import LONGEST, STANDARD_IDS, Frame
 
 TPDO = {"number": Parameter("which TPDO, counted from 1; 0: all of them", 0, int, low=0, high=512)}
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from simulators.frame import Frame
 from simulators.mischief.aim import Aim
 from simulators.mischief.conversation import ABORT, Conversation
 from simulators.mischief.disturbance import Filtering, Place, Side
@@ -12,7 +13,7 @@ from simulators.mischief.turn import Turn
 from simulators.node import Node
 from simulators.services import State
 from simulators.services.sdo import REQUEST_LENGTH, SdoServer
-from simulators.wire import Frame, Onward
+from simulators.wire import Onward
 
 TOGGLE = 0x10
 

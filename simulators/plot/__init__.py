@@ -8,6 +8,7 @@ from importlib import import_module
 from pathlib import Path
 
 from simulators.errors import UserError
+from simulators.node import Node
 from simulators.plot.observer import Observer
 from simulators.plot.page import page
 from simulators.plot.run import Run
@@ -33,7 +34,7 @@ class Plot:
         self._draw = _drawing()
         self._observers: list[Observer] = []
 
-    def begin(self, segment: Segment, player: Player | None) -> None:
+    def begin(self, segment: Segment[Node], player: Player | None) -> None:
         """Look at the nodes of a segment from now on; an observer of `play` and of `again`."""
         self._observers.append(Observer(segment, player))
 

@@ -3,11 +3,12 @@
 from math import isfinite
 
 from simulators.clock import MICROSECONDS
+from simulators.frame import Frame
+from simulators.node import Node
 from simulators.plot.run import Run
 from simulators.plot.view import View
 from simulators.replay.player import Event, Player
 from simulators.segment import Segment
-from simulators.wire import Frame
 
 GRAIN = 1  # microsecond: a moment of the clock is over when the next one begins
 
@@ -19,7 +20,7 @@ class Observer:
     it, and a device at rest costs nothing.
     """
 
-    def __init__(self, segment: Segment, player: Player | None) -> None:
+    def __init__(self, segment: Segment[Node], player: Player | None) -> None:
         self.views = [View(node) for node in segment.nodes]
         self._clock = segment.clock
         self._begin = self._clock.ticks

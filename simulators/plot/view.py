@@ -5,11 +5,11 @@ from typing import Any, NamedTuple
 
 from simulators.chart import Band, Curve, Mood
 from simulators.decode import Decoder
+from simulators.frame import Frame
 from simulators.node import Node
 from simulators.plot.track import Track, extremes, worst
 from simulators.services import State
 from simulators.services.emcy import EMCY_LENGTH, emcy_id, emcy_of
-from simulators.wire import Frame
 
 POWER_OFF = Band("power off", Mood.OFF)
 NMT: Mapping[State, Band] = {

@@ -12,7 +12,7 @@ from can.io.player import MESSAGE_READERS
 
 from simulators.clock import microseconds
 from simulators.errors import UserError
-from simulators.wire import Frame
+from simulators.frame import Frame
 
 PACKED = ".gz"
 LONGEST_LINE = 1 << 16  # characters

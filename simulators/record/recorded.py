@@ -7,13 +7,13 @@ from pathlib import Path
 from simulators import devices, replay
 from simulators.clock import MICROSECONDS
 from simulators.errors import UserError
+from simulators.frame import Frame
 from simulators.record.about import About, digest, read_about
 from simulators.record.events import END, HEARD, EventLine, read_events
 from simulators.record.frames import read_frames
 from simulators.record.recorder import EVENTS, RUN, SCENARIO, TRACE
 from simulators.record.versions import version_now
 from simulators.replay.scenario import NodeSpec
-from simulators.wire import Frame
 
 
 class Recorded:

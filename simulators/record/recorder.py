@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import TextIO
 
 from simulators.decode import Decoder
+from simulators.frame import Frame
+from simulators.node import Node
 from simulators.record.about import About
 from simulators.record.events import END, HEARD, STATE, EventLine, write_event
 from simulators.record.part import folder_part
@@ -16,7 +18,6 @@ from simulators.replay.player import Event
 from simulators.replay.signs import EmcyLike
 from simulators.segment import Segment
 from simulators.services import State
-from simulators.wire import Frame
 
 RUN, SCENARIO, TRACE, EVENTS = "run.json", "scenario.yaml", "trace.log", "events.jsonl"
 EMCY = EmcyLike()
@@ -36,7 +37,7 @@ def record(folder: Path, told: About, scenario: bytes | None) -> Iterator[Observ
         with _lines(part / TRACE) as trace, _lines(part / EVENTS) as events:
             journals: list[Journal] = []
 
-            def attach(segment: Segment, player: Player | None) -> None:
+            def attach(segment: Segment[Node], player: Player | None) -> None:
                 print_frames(trace)(segment, player)
                 journal = Journal(events, segment)
                 journals.append(journal)
@@ -60,7 +61,7 @@ def _lines(path: Path) -> TextIO:
 class Journal:
     """Writes down what happens on a segment beside the frames; it never acts on it."""
 
-    def __init__(self, file: TextIO, segment: Segment) -> None:
+    def __init__(self, file: TextIO, segment: Segment[Node]) -> None:
         self._file = file
         self._clock = segment.clock
         self._nodes = {node.wire.name: node for node in segment.nodes}

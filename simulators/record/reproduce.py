@@ -2,6 +2,8 @@
 
 from collections.abc import Iterable
 
+from simulators.mischief import connect
+from simulators.node import Node
 from simulators.record.recorded import Recorded
 from simulators.record.trace import Observer
 from simulators.replay import Player, begin, play
@@ -18,8 +20,9 @@ def reproduce(recorded: Recorded, observers: Iterable[Observer]) -> None:
     if scenario is not None and recorded.about.kind == "play":
         play(scenario, observers=observers)
         return
-    segment, heard = Segment(), recorded.heard
-    nodes = {part.name: segment.node(part.create(), part.name) for part in recorded.about.nodes}
+    segment: Segment[Node] = Segment()
+    heard = recorded.heard
+    nodes = {part.name: connect(segment, part.create(), part.name) for part in recorded.about.nodes}
     player = Player(scenario, segment, nodes) if scenario else None
     begin(segment, player, observers)
     segment.deliver()

@@ -11,6 +11,8 @@ from pathlib import Path
 from simulators.clock import MICROSECONDS
 from simulators.decode import Decoder
 from simulators.errors import UserError
+from simulators.mischief import connect
+from simulators.node import Node
 from simulators.record.events import HEARD, EventLine
 from simulators.record.frames import TimedFrame, read_frames
 from simulators.record.recorded import Recorded
@@ -63,10 +65,10 @@ class Side:
     @cached_property
     def _decoder(self) -> Decoder:
         """With the dictionaries that the devices of a record have after a boot."""
-        segment = Segment()
+        segment: Segment[Node] = Segment()
         try:
             for part in self.recorded.about.nodes if self.recorded else ():
-                segment.node(part.create(), part.name)
+                connect(segment, part.create(), part.name)
         except UserError:  # a record of devices that are here no more still has its frames
             return Decoder([])
         for node in segment.nodes:

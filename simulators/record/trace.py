@@ -8,14 +8,15 @@ import can
 from can.io.generic import MessageWriter
 
 from simulators.errors import UserError
+from simulators.frame import Frame
+from simulators.node import Node
 from simulators.record.part import file_part
 from simulators.replay import Player
 from simulators.segment import Segment
-from simulators.wire import Frame
 
 CHANNEL = "can0"
 
-Observer = Callable[[Segment, Player | None], None]
+Observer = Callable[[Segment[Node], Player | None], None]
 """Called before a run begins, with the bus and who plays the scenario on it, if there is one."""
 
 
@@ -102,7 +103,7 @@ def trace_file(path: Path) -> Iterator[Observer]:
         raise UserError(f"{path} is no trace file: its name ends in {', '.join(WRITERS)}")
     with file_part(path) as part, WRITERS[suffix](part, path) as writer:
 
-        def attach(segment: Segment, player: Player | None) -> None:
+        def attach(segment: Segment[Node], player: Player | None) -> None:
             names = {node.wire.name for node in segment.nodes}
 
             def hear(frame: Frame, sender: str) -> None:

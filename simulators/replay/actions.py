@@ -4,10 +4,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from simulators.frame import Frame
 from simulators.node import Node
 from simulators.replay.context import Context
 from simulators.replay.scenario import Action, Condition
-from simulators.wire import Frame
 
 
 @dataclass(frozen=True)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
+from simulators.frame import Frame
 from simulators.node import Node
 from simulators.replay.scenario import Condition
 from simulators.replay.sdo import Answer, Transfer
 from simulators.replay.verdict import Finding
-from simulators.wire import Frame
 
 if TYPE_CHECKING:
     from simulators.replay.expect import Expectation

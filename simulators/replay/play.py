@@ -4,11 +4,13 @@ from collections.abc import Callable, Iterable
 from typing import TextIO, TypeVar
 
 from simulators.clock import Clock
+from simulators.frame import Frame
+from simulators.mischief import connect
+from simulators.node import Node
 from simulators.replay.player import Player
 from simulators.replay.scenario import Scenario
 from simulators.replay.verdict import Verdict
 from simulators.segment import Record, Segment
-from simulators.wire import Frame
 
 AnyPlayer = TypeVar("AnyPlayer", bound=Player | None)
 
@@ -18,7 +20,7 @@ SLICE = 1.0  # seconds between two reports of progress
 def play(
     scenario: Scenario,
     trace: TextIO | None = None,
-    observers: Iterable[Callable[[Segment, Player], None]] = (),
+    observers: Iterable[Callable[[Segment[Node], Player], None]] = (),
     progress: Callable[[float], None] = lambda now: None,
 ) -> Verdict:
     """Power on, every step, every expectation to the end of its time, and the verdict.
@@ -29,10 +31,10 @@ def play(
         observers: Called with the bus and its player before anything happens.
         progress: Called with the simulated time in seconds, once a second of it or more often.
     """
-    segment = Segment()
+    segment: Segment[Node] = Segment()
     if scenario.bit_rate is not None:
         segment.limit(scenario.bit_rate)
-    nodes = {name: segment.node(spec.create(), name) for name, spec in scenario.nodes.items()}
+    nodes = {name: connect(segment, spec.create(), name) for name, spec in scenario.nodes.items()}
     player = Player(scenario, segment, nodes)
     begin(segment, player, observers if trace is None else [print_frames(trace), *observers])
     segment.deliver()
@@ -41,9 +43,9 @@ def play(
 
 
 def begin(
-    segment: Segment,
+    segment: Segment[Node],
     player: AnyPlayer,
-    observers: Iterable[Callable[[Segment, AnyPlayer], None]] = (),
+    observers: Iterable[Callable[[Segment[Node], AnyPlayer], None]] = (),
 ) -> None:
     """Switch the nodes of a segment on, when everybody is there who wants to hear them boot."""
     for attach in observers:
@@ -54,10 +56,10 @@ def begin(
         node.power_on()
 
 
-def print_frames(file: TextIO) -> Callable[[Segment, object], None]:
+def print_frames(file: TextIO) -> Callable[[Segment[Node], object], None]:
     """An observer that writes every frame to a text file as `candump -L` does."""
 
-    def attach(segment: Segment, player: object) -> None:
+    def attach(segment: Segment[Node], player: object) -> None:
         def hear(frame: Frame, sender: str) -> None:
             file.write(f"{Record(segment.clock.now, frame, sender)}\n")
 
@@ -67,7 +69,7 @@ def print_frames(file: TextIO) -> Callable[[Segment, object], None]:
 
 
 def finish(
-    player: Player, segment: Segment, progress: Callable[[float], None] = lambda now: None
+    player: Player, segment: Segment[Node], progress: Callable[[float], None] = lambda now: None
 ) -> None:
     """Let time pass until a scenario that has been started is over."""
     while not player.done or segment.clock.now < player.horizon:

@@ -3,9 +3,9 @@
 from collections.abc import Callable, Iterable, Mapping
 from enum import StrEnum
 
+from simulators.frame import Frame
 from simulators.objects import Address, Object
 from simulators.slave import Slave
-from simulators.wire import Frame
 
 NODE_IDS = range(1, 128)  # CiA 301, 7.2.4.3.1
 

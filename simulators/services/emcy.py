@@ -7,12 +7,12 @@ from functools import partial, reduce
 from operator import or_
 from typing import NamedTuple
 
+from simulators.frame import Frame
 from simulators.objects import Address, Object, Rejected
 from simulators.resources import od_file
 from simulators.services import Service, State
 from simulators.services import cob_id as cob_ids
 from simulators.slave import Slave
-from simulators.wire import Frame
 
 EMCY_LENGTH, FIELD_LENGTH = 8, 5  # bytes: all of it, and the manufacturer-specific error field
 BIT_30 = 1 << 30

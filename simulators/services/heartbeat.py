@@ -4,10 +4,10 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from simulators.clock import Timer
+from simulators.frame import Frame
 from simulators.objects import Abort, Address, Object, Rejected
 from simulators.services import NODE_IDS, Listening, Service, State
 from simulators.slave import Slave
-from simulators.wire import Frame
 
 STATE_BYTE = {
     State.STOPPED: 0x04,

@@ -5,9 +5,9 @@ from enum import IntEnum
 from operator import eq, ge, le
 from typing import NamedTuple, Protocol
 
+from simulators.frame import Frame
 from simulators.services import Listening, Service
 from simulators.slave import Slave
-from simulators.wire import Frame
 
 REQUEST, ANSWER = 0x7E5, 0x7E4
 LENGTH = 8

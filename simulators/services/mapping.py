@@ -4,9 +4,10 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import NamedTuple
 
+from simulators.dictionary import DUMMIES
 from simulators.entry import Entry
 from simulators.objects import Abort, Address, Object, Rejected
-from simulators.slave import DUMMIES, Slave
+from simulators.slave import Slave
 
 LONGEST = 64  # bits of a PDO
 BYTE = 8

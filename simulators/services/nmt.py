@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from enum import IntEnum
 
+from simulators.frame import Frame
 from simulators.services import Listening, Service, State
 from simulators.slave import Slave
-from simulators.wire import Frame
 
 ALL_NODES = 0
 TARGET: Mapping[int, State] = {

@@ -3,11 +3,11 @@
 from collections.abc import Callable, Container
 
 from simulators.entry import Entry
+from simulators.frame import Frame
 from simulators.objects import Abort, Rejected
 from simulators.services import Listening, State
 from simulators.services.pdo import SYNCHRONOUS, Pdo
 from simulators.slave import Slave
-from simulators.wire import Frame
 
 
 class Rpdo(Pdo):

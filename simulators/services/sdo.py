@@ -1,12 +1,12 @@
 """SDO server: answers requests, and keeps the transfer that is open (CiA 301, 7.2.4)."""
 
 from simulators.clock import Timer
+from simulators.frame import Frame
 from simulators.objects import Abort, Rejected
 from simulators.services import Listening, Service, State
 from simulators.services.initiate import BLOCK_DOWNLOADS, BLOCK_UPLOADS, Initiate, initiates
 from simulators.services.transfer import Transfer
 from simulators.slave import Slave
-from simulators.wire import Frame
 
 REQUEST_LENGTH = 8
 LEFT_OPEN = Rejected("nobody went on with the transfer", Abort.TIME_OUT)

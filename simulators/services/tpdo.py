@@ -3,13 +3,13 @@
 from collections.abc import Container, Mapping
 
 from simulators.entry import Entry
+from simulators.frame import Frame
 from simulators.objects import Address, Object
 from simulators.services import Listening, State
 from simulators.services import cob_id as cob_ids
 from simulators.services.event_timing import EventTiming
 from simulators.services.pdo import COB_ID, SYNCHRONOUS, TRANSMISSION_TYPE, Pdo
 from simulators.slave import Slave
-from simulators.wire import Frame
 
 AFTER_EVENT = 0
 COMPOSED_AT_SYNC = 252

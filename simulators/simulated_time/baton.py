@@ -12,6 +12,7 @@ from collections.abc import Callable
 from functools import partial
 
 from simulators.clock import MICROSECONDS, microseconds
+from simulators.node import Node
 from simulators.segment import Segment
 from simulators.simulated_time.task import Ready, SimulatedTimeError, Task
 
@@ -22,7 +23,7 @@ LONGEST_WAIT = 3600.0  # simulated seconds the test waits for what has no time-o
 class Baton:
     """Who may run, and what has to happen before somebody else may."""
 
-    def __init__(self, segment: Segment, patience: float) -> None:
+    def __init__(self, segment: Segment[Node], patience: float) -> None:
         self.segment = segment
         self.clock = segment.clock
         self.failure: Exception | None = None  # of a thread; the test is to hear of it

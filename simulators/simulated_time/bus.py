@@ -9,12 +9,12 @@ import can
 import canopen
 
 from simulators.clock import Clock
+from simulators.frame import Frame
 from simulators.simulated_time.baton import Baton
 from simulators.simulated_time.in_force import baton
 from simulators.simulated_time.queues import Queue
 from simulators.simulated_time.signals import Condition
 from simulators.simulated_time.wall import EPOCH
-from simulators.wire import Frame
 
 BIT_RATE = 500_000
 OVERHEAD, EXTENSION = 47, 20  # bits around the data, with a pause of three; 29-bit identifiers

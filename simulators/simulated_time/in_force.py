@@ -1,5 +1,6 @@
 """The simulated time of this process: there is one, or none."""
 
+from simulators.node import Node
 from simulators.segment import Segment
 from simulators.simulated_time.baton import Baton
 from simulators.simulated_time.task import Ready, SimulatedTimeError
@@ -7,7 +8,7 @@ from simulators.simulated_time.task import Ready, SimulatedTimeError
 _current: list[Baton] = []
 
 
-def begin(segment: Segment, patience: float) -> Baton:
+def begin(segment: Segment[Node], patience: float) -> Baton:
     """Let simulated time be that of a segment.
 
     Raises:

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator
 
+from simulators.frame import Frame
 from simulators.services.emcy import Emcy, emcy_id, emcy_of
 from simulators.services.nmt import ALL_NODES, RESETS, TARGET, Nmt
 from simulators.why.view import Line, View, in_brackets
-from simulators.wire import Frame
 
 
 def emergencies(view: View) -> Iterator[Line]:

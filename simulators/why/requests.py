@@ -6,6 +6,7 @@ from math import inf
 
 from canopen import SdoAbortedError
 
+from simulators.frame import Frame
 from simulators.mischief.conversation import Conversation
 from simulators.mischief.sdo_filters import is_answer
 from simulators.objects import Address, Rejected
@@ -13,7 +14,6 @@ from simulators.segment import Record
 from simulators.services.initiate import DOWNLOADS, EXPEDITED, EXPEDITED_ROOM
 from simulators.services.sdo import REQUEST_LENGTH, SdoServer
 from simulators.why.view import Line, Strike, View
-from simulators.wire import Frame
 
 ABORT = 0x80  # of the client and of the server; a block has no segment 0
 EXPEDITED_WRITES = {bytes([command]) for command in DOWNLOADS if command & EXPEDITED}

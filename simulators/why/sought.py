@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
+from simulators.frame import Frame
 from simulators.objects import Address
 from simulators.services import cob_id as cob_ids
 from simulators.services.emcy import emcy_id
@@ -11,7 +12,6 @@ from simulators.services.tpdo import Tpdo
 from simulators.slave import Slave
 from simulators.why.values import values, ways
 from simulators.why.view import View
-from simulators.wire import Frame
 
 COMMAND_LENGTH = 2
 

@@ -4,7 +4,7 @@ import pytest
 
 from simulators.arbitration import priority
 from simulators.bits import length
-from simulators.wire import Frame
+from simulators.frame import Frame
 
 from .conftest import READ_VOLTAGE, SYNC
 

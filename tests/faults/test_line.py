@@ -5,7 +5,7 @@ from canopen import SdoCommunicationError
 
 from simulators import UserError
 from simulators.bits import length
-from simulators.wire import Frame
+from simulators.frame import Frame
 
 from .conftest import READ_VERSION, READ_VOLTAGE, SYNC
 

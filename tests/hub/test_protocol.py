@@ -7,6 +7,7 @@ from can.interfaces.socketcand.socketcand import (
 from hypothesis import given
 from hypothesis import strategies as st
 
+from simulators.frame import Frame
 from simulators.hub.protocol import (
     LONGEST,
     Refused,
@@ -16,7 +17,6 @@ from simulators.hub.protocol import (
     read_sent,
     sent,
 )
-from simulators.wire import Frame
 
 NO, YES = st.just(False), st.just(True)
 BASIC_ID, EXTENDED_ID = st.integers(0, 0x7FF), st.integers(0, 0x1FFFFFFF)

@@ -6,7 +6,7 @@ import canopen
 import pytest
 
 from simulators.cli import main
-from simulators.wire import Frame
+from simulators.frame import Frame
 
 from .conftest import EDS, PATIENCE, PROGRAM, started
 

@@ -9,11 +9,11 @@ import can
 import pytest
 
 from simulators.errors import UserError
+from simulators.frame import Frame
 from simulators.hub import connection
 from simulators.hub.address import Address
 from simulators.hub.client import HubBus
 from simulators.hub.server import serve_hub
-from simulators.wire import Frame
 
 from .conftest import PATIENCE, hub_at
 

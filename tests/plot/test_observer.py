@@ -3,11 +3,12 @@ from pathlib import Path
 
 import pytest
 
+from simulators.frame import Frame
+from simulators.mischief import connect
 from simulators.plot.observer import Observer
 from simulators.plot.view import MOST_MARKS
 from simulators.replay import load, play
 from simulators.segment import Segment
-from simulators.wire import Frame
 
 from .conftest import Meter
 
@@ -56,7 +57,7 @@ def test_without_power_there_is_nothing(observed):
 
 def test_what_a_frame_from_outside_does_to_a_device_at_rest_is_seen():
     segment = Segment()
-    node = segment.node(Meter(node_id=5), "meter")
+    node = connect(segment, Meter(node_id=5), "meter")
     observer = Observer(segment, None)
     node.power_on()
     segment.deliver()

@@ -13,7 +13,7 @@ REAL_TIME = """
     def master(canopen_device):
         served = canopen_device("topcon", node_id=5, load="resistor 4")
         with canopen.Network().connect(**served.bus) as network:
-            from simulators.slave import dictionary
+            from simulators.dictionary import dictionary
 
             yield served, network.add_node(5, dictionary("topcon.eds", 5))
 """
@@ -87,7 +87,7 @@ def test_a_master_is_taken_to_simulated_time_until_the_end_of_the_test(run, pyte
     run("""
         import supply
         from time import sleep
-        from simulators.slave import dictionary
+        from simulators.dictionary import dictionary
 
         def test_simulated(topcon, canopen_simulated_time):
             canopen_simulated_time(topcon, "supply")

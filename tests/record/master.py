@@ -1,6 +1,6 @@
 import can
 
-from simulators.wire import Frame
+from simulators.frame import Frame
 
 PATIENCE = 5.0
 

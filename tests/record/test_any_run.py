@@ -5,9 +5,10 @@ from hypothesis import strategies as st
 
 from simulators import devices
 from simulators.clock import MICROSECONDS
+from simulators.frame import Frame
+from simulators.mischief import connect
 from simulators.record import Recorded, Side, about, differences, record, reproduce
 from simulators.segment import Segment
-from simulators.wire import Frame
 
 FRAMES = [
     "000#0105",
@@ -37,7 +38,7 @@ def test_whatever_comes_from_outside_and_when_the_replay_is_the_same(tmp_path, n
     told = about("run", None, {name: device})
     with record(folder, told, None) as observer:
         segment = Segment()
-        node = segment.node(device, name)
+        node = connect(segment, device, name)
         observer(segment, None)
         node.power_on()
         segment.deliver()

@@ -7,10 +7,11 @@ from probe import Probe
 
 from simulators.clock import microseconds
 from simulators.errors import UserError
+from simulators.frame import Frame
+from simulators.mischief import connect
 from simulators.record import trace_file
 from simulators.replay import print_frames
 from simulators.segment import Segment
-from simulators.wire import Frame
 
 SUFFIXES = [".log", ".asc", ".blf", ".trc"]
 STORY = ["705#R", "605#4018100100000000", "18FEF105#0102030405060708", "000#0105", "7FF#"]
@@ -30,7 +31,7 @@ def lived():
 
     def live(*observers):
         segment = Segment()
-        node = segment.node(Probe(node_id=5), "probe")
+        node = connect(segment, Probe(node_id=5), "probe")
         for attach in observers:
             attach(segment, None)
         segment.advance(0.123457)

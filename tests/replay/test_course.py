@@ -3,6 +3,7 @@
 import pytest
 from probe import Probe
 
+from simulators.mischief import connect
 from simulators.replay import Kind, Player, play
 from simulators.segment import Segment
 
@@ -108,7 +109,7 @@ def test_nothing_is_waited_for_after_an_error(story):
 
 def test_what_is_left_in_the_middle_of_a_run_counts_as_an_error(story):
     segment = Segment()
-    node = segment.node(Probe(node_id=5), "probe")
+    node = connect(segment, Probe(node_id=5), "probe")
     player = Player(
         story(
             "- {at: 0, write: {Byte: 1}, every: 1, times: 9}\n"

@@ -2,6 +2,7 @@
 
 from probe import Probe
 
+from simulators.mischief import connect
 from simulators.replay import Event, Player
 from simulators.segment import Segment
 
@@ -19,7 +20,7 @@ STORY = """\
 
 def events_of(scenario):
     segment, told = Segment(), []
-    node = segment.node(Probe(node_id=5), "left")
+    node = connect(segment, Probe(node_id=5), "left")
     player = Player(scenario, segment, {"probe": node})
     player.listeners.append(told.append)
     segment.advance(0.5)

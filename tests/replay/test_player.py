@@ -2,9 +2,10 @@ import pytest
 from probe import Probe
 
 from simulators import Bench, UserError, devices
+from simulators.frame import Frame
+from simulators.mischief import connect
 from simulators.replay import Kind, Player
 from simulators.segment import Segment
-from simulators.wire import Frame
 
 STORY = """\
 - {at: 0, expect: {frame: 705#00, within: 0}}
@@ -41,7 +42,7 @@ class Stage:
 
     def __init__(self, scenario, pause=0.0, device=None):
         self.segment = Segment()
-        self.node = self.segment.node(device or Probe(node_id=5), "left")
+        self.node = connect(self.segment, device or Probe(node_id=5), "left")
         self.sent = []
         self.segment.listeners.append(self._hear)
         self.segment.advance(pause)
@@ -119,7 +120,7 @@ def test_what_is_not_decided_yet_is_an_error(stage):
 
 def test_another_node_does_not_speak_for_the_one_that_is_meant(stage):
     stage = stage("- {at: 1, expect: {silence: true, within: 1}}\n")
-    other = stage.segment.node(Probe(node_id=6), "right")
+    other = connect(stage.segment, Probe(node_id=6), "right")
     stage.segment.advance(1.5)
     other.power_on()
     stage.segment.deliver()

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from probe import FAULTY, Probe, configure
 
 from simulators import Bench
+from simulators.frame import Frame
 from simulators.services import State
-from simulators.wire import Frame
 
 COMMANDS = {
     State.PRE_OPERATIONAL: "000#8005",

@@ -5,8 +5,8 @@ from hypothesis import strategies as st
 
 from simulators.bench import Bench
 from simulators.device import Device
+from simulators.frame import Frame
 from simulators.services.lss import LssSlave, Stored
-from simulators.wire import Frame
 
 SELECT = [
     "7E5#40C4010000000000",

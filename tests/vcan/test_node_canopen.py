@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from simulators.dictionary import dictionary
 from simulators.resources import od_file
-from simulators.slave import dictionary
 from tests.vcan.bus import CHANNEL, PATIENCE
 
 SCRIPT = Path(__file__).with_name("node_canopen.js")

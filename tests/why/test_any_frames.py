@@ -3,8 +3,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from simulators import Bench, devices
+from simulators.frame import Frame
 from simulators.why import TOLD, why
-from simulators.wire import Frame
 
 NODE_ID = 5
 IDS = [0x000, 0x080, *(base + NODE_ID for base in range(0x080, 0x780, 0x080)), 0x7E5]

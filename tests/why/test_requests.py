@@ -2,9 +2,9 @@ import pytest
 
 from simulators import Bench
 from simulators.diary import KEPT
+from simulators.frame import Frame
 from simulators.segment import Record
 from simulators.why import TOLD, why
-from simulators.wire import Frame
 
 STOPPED = "not answered: the node was stopped, without SDO (manual 3.1, Tab. 7)"
 READ, RUN = "605#4000100000000000", "605#2B14200001000000"

@@ -6,6 +6,7 @@ from textwrap import dedent
 import pytest
 
 from simulators import devices
+from simulators.mischief import connect
 from simulators.replay import Player, load, play
 from simulators.segment import Segment
 
@@ -86,7 +87,7 @@ def test_a_story_that_begins_later_knows_the_states_of_its_moments(tmp_path):
     file = Path(tmp_path / "story.yaml")
     file.write_text(STORY)
     segment = Segment()
-    node = segment.node(devices.create("topcon", node_id=5), "topcon")
+    node = connect(segment, devices.create("topcon", node_id=5), "topcon")
     node.power_on()
     segment.advance(5.5)
     player = Player(load(file), segment, {"topcon": node})

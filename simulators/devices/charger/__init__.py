@@ -23,13 +23,14 @@ from simulators.devices.charger.plant import Plant, quiet
 from simulators.devices.charger.settings import Settings
 from simulators.devices.charger.storage import Storage
 from simulators.devices.charger.transfer import CYCLE
+from simulators.dictionary import dictionary
 from simulators.faults import Fault
 from simulators.messages import Message
 from simulators.objects import Address, Object, Rejected
 from simulators.services import Service
 from simulators.services.emcy import Emcy
 from simulators.services.lss import LssSlave
-from simulators.slave import Slave, dictionary
+from simulators.slave import Slave
 
 log = logging.getLogger(__name__)
 

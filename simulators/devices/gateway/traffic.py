@@ -8,10 +8,10 @@ from functools import partial
 from simulators.devices.gateway.model.canopen_bus import BootUp, Heartbeat, Message, TpdoFrame
 from simulators.devices.gateway.model.state import State as GatewayState
 from simulators.devices.gateway.model.system import System
+from simulators.frame import Frame
 from simulators.services import NODE_IDS, Listening, Service, State
 from simulators.services.heartbeat import STATE_BYTE
 from simulators.slave import Slave
-from simulators.wire import Frame
 
 STATES: Mapping[GatewayState, State] = {
     GatewayState.PRE_OPERATIONAL: State.PRE_OPERATIONAL,

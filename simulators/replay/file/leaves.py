@@ -7,8 +7,8 @@ from pydantic import BeforeValidator, Discriminator, Field
 
 from simulators.documents.document import LONGEST_TIME, Item
 from simulators.documents.table import Leaf
+from simulators.frame import Frame, pattern
 from simulators.replay.words import NONE
-from simulators.wire import Frame, pattern
 
 Value = TypeVar("Value")
 

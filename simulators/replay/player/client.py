@@ -6,10 +6,10 @@ from functools import partial
 from typing import NamedTuple
 
 from simulators.clock import Clock, Timer
+from simulators.frame import Frame
 from simulators.node import Node
 from simulators.objects import Abort
 from simulators.replay.sdo import ABORT, ACCEPTED, UNANSWERED, Answer, Request, Transfer
-from simulators.wire import Frame
 
 ANSWER_LENGTH = 8
 

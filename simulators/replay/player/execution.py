@@ -5,6 +5,7 @@ from typing import Any, Protocol
 
 from simulators.clock import microseconds
 from simulators.errors import UserError
+from simulators.frame import Frame
 from simulators.node import Node
 from simulators.replay.expect import Expectation
 from simulators.replay.player.client import Job
@@ -15,7 +16,6 @@ from simulators.replay.player.window import Window
 from simulators.replay.scenario import Condition, Step
 from simulators.replay.sdo import Answer, Transfer
 from simulators.replay.verdict import Finding, Kind
-from simulators.wire import Frame
 
 
 class ExecutionListener(Protocol):

@@ -6,11 +6,11 @@ from itertools import chain
 from typing import NamedTuple
 
 from simulators.clock import Clock
+from simulators.frame import Frame
 from simulators.node import Node
 from simulators.replay.player.writes import Writes
 from simulators.replay.signs import Changed, Happening, Sent
 from simulators.services import State
-from simulators.wire import Frame
 
 Ear = Callable[[Happening], None]
 

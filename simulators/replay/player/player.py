@@ -5,6 +5,7 @@ from functools import partial
 
 from simulators.clock import MICROSECONDS, microseconds
 from simulators.errors import UserError
+from simulators.frame import Frame
 from simulators.node import Node
 from simulators.replay.actions import Limit
 from simulators.replay.player.client import Client
@@ -22,7 +23,6 @@ from simulators.replay.signs import Entered, Written
 from simulators.replay.verdict import Finding, Kind, Outcome, Verdict
 from simulators.segment import Segment
 from simulators.services import State
-from simulators.wire import Frame
 
 NAME = "scenario"
 LONGEST = 86_400  # seconds of a run
@@ -39,7 +39,9 @@ class Player:
         UserError: a node of the scenario is missing.
     """
 
-    def __init__(self, scenario: Scenario, segment: Segment, nodes: Mapping[str, Node]) -> None:
+    def __init__(
+        self, scenario: Scenario, segment: Segment[Node], nodes: Mapping[str, Node]
+    ) -> None:
         for name in scenario.nodes:
             if name not in nodes:
                 raise UserError(f"{scenario.file} is about a {name}; here is {', '.join(nodes)}")

@@ -3,11 +3,11 @@
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 
+from simulators.frame import Frame
 from simulators.node import Node
 from simulators.replay.scenario import Step
 from simulators.report import SHOWN, device_report, last_frames
 from simulators.segment import Record
-from simulators.wire import Frame
 
 AFTERWARDS = 5  # frames
 

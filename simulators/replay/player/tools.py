@@ -4,12 +4,12 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from simulators.clock import Clock
+from simulators.frame import Frame
 from simulators.node import Node
 from simulators.replay.player.client import Client
 from simulators.replay.player.happenings import Happenings
 from simulators.replay.player.healing import Healing
 from simulators.replay.player.judge import Judge
-from simulators.wire import Frame
 
 
 class Tools(NamedTuple):

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 
 from simulators.entry import Entry
+from simulators.frame import Frame
 from simulators.node import Node
 from simulators.objects import Address, Rejected
 from simulators.replay.player.downloads import Downloads
@@ -11,7 +12,6 @@ from simulators.services.cob_id import CAN_ID, INVALID
 from simulators.services.mapping import mapped
 from simulators.services.pdo import COB_ID
 from simulators.slave import Slave
-from simulators.wire import Frame
 
 REQUEST_LENGTH = 8
 COMMUNICATION, MAPPING = range(0x1400, 0x1600), 0x0200  # and the distance to its mapping record

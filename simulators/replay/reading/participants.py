@@ -7,7 +7,9 @@ from simulators.device import Device
 from simulators.documents.document import Item
 from simulators.documents.problems import Mistake, Noted, Placed
 from simulators.errors import UserError, unknown
-from simulators.replay.file.scenario import Node
+from simulators.mischief import connect
+from simulators.node import Node
+from simulators.replay.file import scenario as schema
 from simulators.replay.load import Find
 from simulators.replay.reading.dry_run import SEED, DryRun
 from simulators.replay.scenario import NodeSpec
@@ -26,16 +28,16 @@ class Participants:
         self._seed = seed
         self._names: list[str] = []
         self._dry_runs: dict[str, DryRun] = {}
-        self._bus = Segment()
+        self._bus: Segment[Node] = Segment()
 
-    def take(self, name: Item, node: Node | None, place: Item) -> None:
+    def take(self, name: Item, node: schema.Node | None, place: Item) -> None:
         """Take one in; what is wrong with it and knows no place is blamed on this one."""
         self._names.append(name.text)
         with place.problems.at(place):
             if node is not None:
                 spec = self._spec(node)
                 self._dry_runs[name.text] = DryRun(
-                    self._bus.node(spec.create(), name.text), self._seed
+                    connect(self._bus, spec.create(), name.text), self._seed
                 )
                 self.specs[name.text] = spec
 
@@ -54,7 +56,7 @@ class Participants:
             raise Noted
         return self._dry_runs[names[0]]
 
-    def _spec(self, node: Node) -> NodeSpec:
+    def _spec(self, node: schema.Node) -> NodeSpec:
         with node.device.blamed():
             kind = self._find(node.device.text)
         given = _settings(node.settings or {}, kind)

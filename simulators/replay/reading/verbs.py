@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 
 from simulators.documents.document import Item
 from simulators.documents.problems import Noted
+from simulators.frame import Frame
 from simulators.replay.actions import Clear, Inject, Nmt, Power, Send, Set
 from simulators.replay.expect import Expectation
 from simulators.replay.file.signs import Expect
@@ -14,7 +15,6 @@ from simulators.replay.reading.transfers import read, write
 from simulators.replay.scenario import Action, Condition
 from simulators.replay.signs import COMMANDS
 from simulators.replay.words import ALL_FAULTS, SWITCHES
-from simulators.wire import Frame
 
 Values = Mapping[Item, Item]
 

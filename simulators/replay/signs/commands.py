@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from simulators.frame import Frame
 from simulators.node import Node
 from simulators.objects import Address
 from simulators.replay.signs.frames import FrameSign
@@ -12,7 +13,6 @@ from simulators.replay.signs.sign import Happening, Sign, Wrote
 from simulators.replay.signs.wanted import Wanted
 from simulators.replay.targets import Target
 from simulators.replay.values import value_of
-from simulators.wire import Frame
 
 COMMANDS: Mapping[str, int] = {
     "start": 0x01,

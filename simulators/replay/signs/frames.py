@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from re import Pattern
 
+from simulators.frame import Frame, pattern
 from simulators.node import Node
 from simulators.replay.signs.sign import Happening, Sent, Sign
 from simulators.services import State
 from simulators.services.emcy import EMCY_LENGTH, emcy_id, emcy_of
 from simulators.services.heartbeat import STATE_BYTE
-from simulators.wire import Frame, pattern
 
 
 class FrameSign(Sign):

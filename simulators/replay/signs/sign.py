@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import ClassVar, NamedTuple
 
+from simulators.frame import Frame
 from simulators.node import Node
 from simulators.objects import Address
 from simulators.services import State
-from simulators.wire import Frame
 
 
 class Sent(NamedTuple):
