@@ -18,13 +18,13 @@ import canopen
 
 from benchmarks import peers
 from benchmarks.test_sdo import served
-from simulators.hub.address import Address
-from simulators.hub.client import HubBus
-from simulators.resources import od_file
+from canopen_twins.bus.hub.client import HubBus
+from canopen_twins.bus.hub.protocol import Address
+from canopen_twins.files.shipped import od_file
 
 ROUNDS, READS = 5, 2000
 GROUP = "239.74.163.2"
-COMMAND = (sys.executable, "-m", "simulators")
+COMMAND = (sys.executable, "-m", "canopen_twins")
 TWIN = ("run", "topcon", "-n", str(peers.NODE_ID))
 
 

@@ -136,14 +136,14 @@ SECTIONS = {
             Goal(time=0.020),
         ),
         Figure(
-            "`from simulators import Bench`",
+            "`from canopen_twins import Bench`",
             "test_fresh[import-bench]",
             "`import canopen`",
             "test_fresh[import-canopen]",
         ),
         Figure(
-            "`import simulators`",
-            "test_fresh[import-simulators]",
+            "`import canopen_twins`",
+            "test_fresh[import-canopen_twins]",
             "`import canopen`",
             "test_fresh[import-canopen]",
         ),

@@ -6,7 +6,7 @@ from typing import Any
 
 import canopen
 
-from simulators.resources import od_file
+from canopen_twins.files.shipped import od_file
 
 NODE_ID = 5
 ACTUAL_VOLTAGE = 0x2020

@@ -4,10 +4,10 @@ import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from benchmarks import peers
-from simulators import devices
-from simulators.frame import Frame
-from simulators.mischief import connect
-from simulators.segment import Segment
+from canopen_twins import devices
+from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.segment import Segment
+from canopen_twins.faults import connect
 
 FRAMES = {
     "foreign": Frame.parse("123#00"),

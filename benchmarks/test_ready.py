@@ -11,11 +11,11 @@ import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from benchmarks import peers
-from simulators import Bench
+from canopen_twins import Bench
 
 ROOT = Path(__file__).parent.parent
 LISTEN = "import sys\nfor line in sys.stdin: exec(line); print('done', flush=True)"
-TWIN = "from simulators import Bench; Bench('topcon', node_id=5).sdo.upload(0x2020, 0)"
+TWIN = "from canopen_twins import Bench; Bench('topcon', node_id=5).sdo.upload(0x2020, 0)"
 LOCAL_NODE = "pair = peers.virtual('first'); pair.__enter__().sdo.upload(0x2020, 0)"
 
 Environment = Mapping[str, str]
@@ -66,9 +66,9 @@ def fresh(environment: Environment) -> Iterator[Fresh]:
     ("before", "line"),
     [
         pytest.param("import pytest", "import canopen", id="import-canopen"),
-        pytest.param("import pytest", "import simulators", id="import-simulators"),
-        pytest.param("import pytest", "import simulators.pytest_plugin", id="import-plugin"),
-        pytest.param("import pytest", "from simulators import Bench", id="import-bench"),
+        pytest.param("import pytest", "import canopen_twins", id="import-canopen_twins"),
+        pytest.param("import pytest", "import canopen_twins.pytest_plugin", id="import-plugin"),
+        pytest.param("import pytest", "from canopen_twins import Bench", id="import-bench"),
         pytest.param("import canopen", TWIN, id="first-twin"),
         pytest.param("from benchmarks import peers", LOCAL_NODE, id="first-localnode"),
     ],

@@ -7,9 +7,9 @@ import pytest
 import yaml
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from simulators.documents.yaml_nodes import LARGEST_FILE
-from simulators.replay import load, play
-from simulators.replay.verdict import Kind
+from canopen_twins.files.yaml_nodes import LARGEST_FILE
+from canopen_twins.scenario import load, play
+from canopen_twins.scenario.verdict import Kind
 
 LIBRARY = sorted((Path(__file__).parent.parent / "scenarios").glob("topcon_*.yaml"))
 HEAD = "version: 1\nnode: {device: topcon}\nsteps:\n"

@@ -9,10 +9,10 @@ import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from benchmarks import peers
-from simulators import Bench, devices
-from simulators.mischief import connect
-from simulators.segment import Segment
-from simulators.serve import serve
+from canopen_twins import Bench, devices
+from canopen_twins.bus.segment import Segment
+from canopen_twins.faults import connect
+from canopen_twins.live.serve import serve
 
 OBJECTS = {"memory": 0x1017, "measured": 0x2020}
 """Heartbeat time, in memory on both sides; actual voltage, which the twin has from its model."""

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from simulators import Bench
+from canopen_twins import Bench
 
 LEVELS = (1000, 3000)  # parts
 

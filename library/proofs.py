@@ -6,15 +6,15 @@ from pathlib import Path
 from pkgutil import iter_modules
 from typing import NamedTuple
 
-from simulators import devices
-from simulators.replay import load, play
-from simulators.replay.access import Read
-from simulators.replay.actions import Inject
-from simulators.replay.expect import Expectation
-from simulators.replay.scenario import NodeSpec, Scenario, Step
-from simulators.replay.signs import EmcyLike, Holds, Wanted
-from simulators.replay.targets import Target
-from simulators.replay.verdict import Kind, Verdict
+from canopen_twins import devices
+from canopen_twins.scenario import load, play
+from canopen_twins.scenario.access import Read
+from canopen_twins.scenario.actions import Inject
+from canopen_twins.scenario.expect import Expectation
+from canopen_twins.scenario.matchers import EmcyLike, Holds, Wanted
+from canopen_twins.scenario.scenario import NodeSpec, Scenario, Step
+from canopen_twins.scenario.targets import Target
+from canopen_twins.scenario.verdict import Kind, Verdict
 
 FOLDER = Path(__file__).parent.parent / "scenarios"
 

@@ -5,14 +5,14 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import NamedTuple
 
+from canopen_twins import devices
+from canopen_twins.bus.segment import Segment
+from canopen_twins.device.device import BitMessage, EmcyMessage, Message
+from canopen_twins.device.faults import Fault
+from canopen_twins.faults import connect
+from canopen_twins.files.shipped import od_file
+from canopen_twins.scenario.matchers import Range
 from library.proofs import Fact, Injected, Proof, Told, Value, shipped
-from simulators import devices
-from simulators.faults import Fault
-from simulators.messages import BitMessage, EmcyMessage, Message
-from simulators.mischief import connect
-from simulators.replay.signs import Range
-from simulators.resources import od_file
-from simulators.segment import Segment
 
 OF_DEVICE = "device"
 

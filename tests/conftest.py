@@ -4,7 +4,7 @@ import pytest
 from hypothesis import settings
 from probe import Probe
 
-from simulators import Bench
+from canopen_twins import Bench
 
 pytest_plugins = ["pytester"]
 

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 
-from simulators.device import Device
-from simulators.faults import Fault, Parameter
-from simulators.objects import Abort, Object, Rejected
-from simulators.profile import Profile
-from simulators.services.emcy import Emcy
-from simulators.settings import NodeSettings, setting
+from canopen_twins.device.device import Device
+from canopen_twins.device.faults import Fault, Parameter
+from canopen_twins.device.settings import NodeSettings, setting
+from canopen_twins.slave.emcy import Emcy
+from canopen_twins.slave.object import Abort, Object, Rejected
+from canopen_twins.slave.profile import Profile
 
 LEVEL, EVEN, REFUSING, FAULTY, BYTES, TWICE = ((0x2100 + n, 0) for n in range(6))
 

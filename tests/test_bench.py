@@ -3,7 +3,7 @@ import pytest
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 from probe import Probe
 
-from simulators import Bench, UserError
+from canopen_twins import Bench, UserError
 
 
 @pytest.fixture

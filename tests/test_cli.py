@@ -6,13 +6,25 @@ import sys
 
 import pytest
 
-from simulators import Bench, devices
-from simulators.cli import main
-from simulators.commands.lock import held
-from simulators.commands.scenarios import load
-from simulators.resources import od_file, scenarios
+from canopen_twins import Bench, devices
+from canopen_twins.cli import main
+from canopen_twins.cli.commands.scenarios import load
+from canopen_twins.files.shipped import od_file, scenarios
+from canopen_twins.files.whole import held
 
-RUN = [sys.executable, "-m", "simulators", "run", "topcon", "-n", "5", "-i", "virtual", "-c", "cli"]
+RUN = [
+    sys.executable,
+    "-m",
+    "canopen_twins",
+    "run",
+    "topcon",
+    "-n",
+    "5",
+    "-i",
+    "virtual",
+    "-c",
+    "cli",
+]
 
 
 @pytest.fixture
@@ -169,7 +181,7 @@ def test_verbose_may_be_said_before_and_after_the_command(said):
 def test_help_is_there_without_the_imports_of_the_commands():
     code = """if True:
         import sys
-        from simulators.cli import parser
+        from canopen_twins.cli import parser
         parser().format_help()
         print([name for name in ("can", "canopen", "yaml", "json") if name in sys.modules])
     """
@@ -188,7 +200,7 @@ def test_a_run_says_when_it_is_ready_and_stops_when_it_is_told(number, code):
 
 
 def test_a_reader_that_has_seen_enough_is_no_error():
-    command = [sys.executable, "-m", "simulators", "objects", "topcon"]
+    command = [sys.executable, "-m", "canopen_twins", "objects", "topcon"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as run:
         run.stdout.close()
         assert run.stderr.read() == b""
@@ -319,7 +331,7 @@ def test_what_a_device_stores_is_there_in_the_next_run(told, tmp_path):
 
 def test_what_a_device_keeps_when_its_supply_goes_is_kept_when_a_run_is_stopped(tmp_path):
     memory = tmp_path / "memory.bin"
-    command = [sys.executable, "-m", "simulators", "run", "charger", "-i", "virtual"]
+    command = [sys.executable, "-m", "canopen_twins", "run", "charger", "-i", "virtual"]
     with subprocess.Popen(
         [*command, "--nvram", memory], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as run:

@@ -5,7 +5,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from simulators.cli import main
+from canopen_twins.cli import main
 
 STORY = """\
 version: 1
@@ -81,7 +81,7 @@ def test_run_reports_a_scenario_that_was_stopped_as_one_that_says_nothing(tmp_pa
     late = tmp_path / "late.yaml"
     late.write_text(STORY.format(name="late", volts=400).replace("0.1", "1000"))
     report = tmp_path / "report.xml"
-    command = [sys.executable, "-m", "simulators", *RUN, "--scenario", late, "--junit", report]
+    command = [sys.executable, "-m", "canopen_twins", *RUN, "--scenario", late, "--junit", report]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         process.stdout.readline()
         process.terminate()

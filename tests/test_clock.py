@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from simulators.clock import Clock, Scope
+from canopen_twins.bus.clock import Clock, Scope
 
 
 @pytest.fixture

@@ -3,11 +3,11 @@ from pathlib import Path
 
 import pytest
 
+from canopen_twins import devices
+from canopen_twins.scenario import load
 from library import report
 from library.proofs import proofs, prove, shipped
 from library.rows import Row, faults, faults_of_all, messages, stories
-from simulators import devices
-from simulators.replay import load
 
 pytestmark = pytest.mark.timeout(300)  # whoever comes first plays all scenarios
 

@@ -4,8 +4,8 @@ import sys
 import canopen
 import pytest
 
-from simulators import Bench, devices
-from simulators.cli import main
+from canopen_twins import Bench, devices
+from canopen_twins.cli import main
 
 CONFIGURATION = """\
 version: 1

@@ -1,8 +1,8 @@
 import pytest
 
-from simulators.bench import Bench
-from simulators.decode import Decoder
-from simulators.frame import Frame
+from canopen_twins.bench.bench import Bench
+from canopen_twins.bus.frame import Frame
+from canopen_twins.diagnosis.decoder import Decoder
 
 WORDS = [
     ("000#0105", "NMT operational, node 5"),

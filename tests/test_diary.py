@@ -1,8 +1,8 @@
 import pytest
 
-from simulators.clock import Clock
-from simulators.diary import KEPT, UNBORN, Diary
-from simulators.frame import Frame
+from canopen_twins.bus.clock import Clock
+from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.wire import KEPT, UNBORN, Diary
 
 
 @pytest.fixture

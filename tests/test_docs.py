@@ -6,10 +6,10 @@ from typing import Literal, get_args, get_origin, get_type_hints
 
 import pytest
 
-import simulators.replay.reading.scenario  # noqa: F401 - pytester forgets what comes while it works
-from simulators import devices
-from simulators.cli import main
-from simulators.settings import about
+import canopen_twins.scenario.reading.scenario  # noqa: F401 - pytester forgets what comes while it works
+from canopen_twins import devices
+from canopen_twins.cli import main
+from canopen_twins.device.settings import about
 
 DOCS = Path(__file__).parent.parent / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))

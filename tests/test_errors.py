@@ -1,6 +1,6 @@
 import pytest
 
-from simulators.errors import unknown
+from canopen_twins.errors import unknown
 
 
 @pytest.mark.parametrize(

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-import simulators
-from simulators import Bench, devices
-from simulators.faults import arguments
+import canopen_twins
+from canopen_twins import Bench, devices
+from canopen_twins.device.faults import arguments
 
-DEVICES = Path(simulators.__path__[0]) / "devices"
+DEVICES = Path(canopen_twins.__path__[0]) / "devices"
 MODELS = sorted(DEVICES.glob("*/model/**/*.py"))
 BOOT_TIME = 10.0  # seconds; some take their time
 TYPICAL = {int: 1, float: 1.0, str: "1"}
@@ -117,7 +117,7 @@ def test_no_fault_leaves_a_trace_once_it_is_cleared(bench):
             try:
                 values = arguments(name, fault, given)
                 bench.inject(name, **values)
-            except simulators.UserError:
+            except canopen_twins.UserError:
                 continue  # it wants a value that only its device knows: tested there
             bench.run(0.1)
             bench.clear(name)
@@ -142,8 +142,8 @@ def test_at_rest_it_costs_nothing(bench):
 def test_a_model_knows_nothing_of_can_nor_of_ours_nor_of_the_wall(model):
     text = model.read_text("utf-8")
     imports = re.findall(r"^\s*(?:from|import) ([\w.]+)", text, re.MULTILINE)
-    own = f"simulators.devices.{model.relative_to(DEVICES).parts[0]}.model"
-    foreign = [name for name in imports if name.startswith(("can", "simulators"))]
+    own = f"canopen_twins.devices.{model.relative_to(DEVICES).parts[0]}.model"
+    foreign = [name for name in imports if name.startswith(("can", "canopen_twins"))]
     assert [name for name in foreign if not name.startswith(own)] == []
     assert not set(imports) & {"time", "datetime", "threading"}
 

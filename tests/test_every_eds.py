@@ -9,7 +9,7 @@ import pytest
 from canopen.objectdictionary import ODArray, ODRecord, ODVariable
 from canopen.objectdictionary.datatypes import VISIBLE_STRING
 
-from simulators import slave
+from canopen_twins.slave import dictionary as dictionaries
 
 NODE_ID = 29
 EDS_FILES = sorted(Path(__file__).parents[1].glob("*/*.eds"))  # of the devices, and the probe
@@ -122,7 +122,7 @@ def everything(item):
 
 @pytest.mark.parametrize("node_id", [1, 29, 127])
 def test_a_twin_has_the_dictionary_that_canopen_imports(eds, node_id):
-    twins = slave.dictionary(str(eds), node_id)
+    twins = dictionaries.dictionary(str(eds), node_id)
     assert everything(twins) == everything(canopen.import_od(str(eds), node_id))
 
 

@@ -3,9 +3,9 @@ from pathlib import Path
 
 import pytest
 
-from simulators.replay import load, play
-from simulators.replay.expect import Expectation
-from simulators.replay.signs import EmcyLike
+from canopen_twins.scenario import load, play
+from canopen_twins.scenario.expect import Expectation
+from canopen_twins.scenario.matchers import EmcyLike
 
 SCENARIOS = sorted(Path(__file__).parents[1].glob("scenarios/*.yaml"))
 

@@ -1,6 +1,6 @@
 import pytest
 
-from simulators import Bench, UserError
+from canopen_twins import Bench, UserError
 
 
 @pytest.fixture

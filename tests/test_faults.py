@@ -1,7 +1,7 @@
 import pytest
 
-from simulators.errors import UserError
-from simulators.faults import Fault, Faults, Parameter, arguments
+from canopen_twins.device.faults import Fault, Faults, Parameter, arguments
+from canopen_twins.errors import UserError
 
 NUMBER = Parameter("which one")
 SIZE = Parameter("how much", 10)

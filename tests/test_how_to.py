@@ -11,8 +11,9 @@ from textwrap import dedent
 import pytest
 import yaml
 
-from simulators import replay, vcan
-from simulators.cli import parser
+from canopen_twins import scenario as replay
+from canopen_twins.bus import vcan
+from canopen_twins.cli import parser
 
 DOCS = Path(__file__).parent.parent / "docs"
 HUB = DOCS / "how-to" / "join-a-bus-without-vcan.md"

@@ -3,8 +3,8 @@ from pathlib import Path
 
 import pytest
 
-from simulators.replay import load, play
-from simulators.replay.verdict import Kind
+from canopen_twins.scenario import load, play
+from canopen_twins.scenario.verdict import Kind
 
 SCENARIOS = Path(__file__).parents[1] / "scenarios"
 JUDGES = sorted([*SCENARIOS.glob("*_master_*.yaml"), SCENARIOS / "topcon_partner_stops.yaml"])

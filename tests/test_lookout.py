@@ -2,9 +2,9 @@ import can
 import pytest
 from can.interfaces.virtual import VirtualBus, channels
 
-from simulators.errors import UserError
-from simulators.frame import Frame
-from simulators.lookout import looking
+from canopen_twins.bus.frame import Frame
+from canopen_twins.errors import UserError
+from canopen_twins.live.node_id_check import looking
 
 PATIENCE = 5.0
 

@@ -3,8 +3,8 @@ import logging
 
 import pytest
 
-from simulators.errors import UserError
-from simulators.memory import LARGEST_FILE, Memory
+from canopen_twins.errors import UserError
+from canopen_twins.slave.memory import LARGEST_FILE, Memory
 
 LARGE = json.dumps({"parameters": {"2001:00": "0" * LARGEST_FILE}}).encode()
 

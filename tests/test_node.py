@@ -5,8 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from probe import Probe
 
-from simulators import Bench
-from simulators.services import State
+from canopen_twins import Bench
+from canopen_twins.slave.service import State
 
 READ_LEVEL = "605#4000210000000000"
 

@@ -1,7 +1,7 @@
 import pytest
 from probe import Probe
 
-from simulators import Bench, devices
+from canopen_twins import Bench, devices
 
 # What CANopenNode and Lely answer to the same frame, None for silence.
 # Where they agree that is the answer; where they do not, it is one of the two.

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from simulators.cli import parser
-from simulators.hub.address import PORT
+from canopen_twins.bus.hub.protocol import PORT
+from canopen_twins.cli import parser
 
 ROOT = Path(__file__).parent.parent
 PACKAGING = ROOT / "packaging"

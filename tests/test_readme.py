@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from simulators import devices
-from simulators.cli import main
-from simulators.resources import scenarios
+from canopen_twins import devices
+from canopen_twins.cli import main
+from canopen_twins.files.shipped import scenarios
 
 README = Path(__file__).parent.parent / "README.md"
 

@@ -1,11 +1,11 @@
 import pytest
 from probe import Probe, configure
 
-from simulators import Bench
-from simulators.errors import UserError
-from simulators.frame import Frame
-from simulators.mischief import connect
-from simulators.segment import Segment
+from canopen_twins import Bench
+from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.segment import Segment
+from canopen_twins.errors import UserError
+from canopen_twins.faults import connect
 
 READ_TYPE = Frame.parse("605#4000100000000000")
 

@@ -9,12 +9,12 @@ import pytest
 from can.interfaces.virtual import VirtualBus, channels
 from probe import LEVEL, Probe
 
-from simulators.errors import UserError
-from simulators.frame import Frame
-from simulators.line import Line
-from simulators.mischief import connect
-from simulators.segment import Segment
-from simulators.serve import LONGEST_WAIT, drive, serve
+from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.segment import Segment
+from canopen_twins.errors import UserError
+from canopen_twins.faults import connect
+from canopen_twins.live.line import Line
+from canopen_twins.live.serve import LONGEST_WAIT, drive, serve
 
 canopen.Network.NOTIFIER_CYCLE = 0.01  # disconnecting waits for it
 

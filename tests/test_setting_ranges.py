@@ -2,9 +2,9 @@ from dataclasses import dataclass
 
 import pytest
 
-from simulators import UserError
-from simulators.cli import main
-from simulators.settings import about, changed, setting
+from canopen_twins import UserError
+from canopen_twins.cli import main
+from canopen_twins.device.settings import about, changed, setting
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,8 @@ from typing import Literal
 
 import pytest
 
-from simulators.errors import UserError
-from simulators.settings import about, changed, setting
+from canopen_twins.device.settings import about, changed, setting
+from canopen_twins.errors import UserError
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,8 @@ from queue import Empty, Full
 
 import pytest
 
-from simulators import Bench
-from simulators.simulated_time import simulated_time
+from canopen_twins import Bench
+from canopen_twins.bench.simulated_time import simulated_time
 
 NAMES = "import queue, threading, time"
 

@@ -8,9 +8,9 @@ import pytest
 import threaded_master
 from threaded_master import connect
 
-from simulators import Bench
-from simulators.dictionary import dictionary
-from simulators.simulated_time import simulated_time
+from canopen_twins import Bench
+from canopen_twins.bench.simulated_time import simulated_time
+from canopen_twins.slave.dictionary import dictionary
 
 
 @pytest.fixture

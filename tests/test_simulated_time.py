@@ -7,10 +7,10 @@ import threaded_master
 from canopen.nmt import NmtError
 from threaded_master import connect
 
-from simulators import Bench
-from simulators.bits import length
-from simulators.simulated_time import simulated_time
-from simulators.simulated_time.wall import EPOCH
+from canopen_twins import Bench
+from canopen_twins.bench.simulated_time import simulated_time
+from canopen_twins.bench.simulated_time.primitives import EPOCH
+from canopen_twins.bus.frame import length
 
 FRAME = 111 / 500_000  # seconds of eight bytes on the wire
 

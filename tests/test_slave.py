@@ -2,12 +2,12 @@ import pytest
 from canopen import SdoAbortedError
 from probe import Probe
 
-from simulators.clock import Clock, Scope
-from simulators.dictionary import dictionary
-from simulators.objects import Abort, Object, Rejected
-from simulators.profile import Profile
-from simulators.slave import Slave
-from simulators.wire import Wire
+from canopen_twins.bus.clock import Clock, Scope
+from canopen_twins.bus.wire import Wire
+from canopen_twins.slave.dictionary import dictionary
+from canopen_twins.slave.object import Abort, Object, Rejected
+from canopen_twins.slave.profile import Profile
+from canopen_twins.slave.slave import Slave
 
 BYTE, WORD, LIMITED, TEXT, DOMAIN = (
     (index, 0) for index in (0x2000, 0x2001, 0x2003, 0x2005, 0x2006)

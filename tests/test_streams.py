@@ -3,7 +3,7 @@ import sys
 
 import pytest
 
-COMMAND = f"{sys.executable} -m simulators"
+COMMAND = f"{sys.executable} -m canopen_twins"
 
 
 def shell(line):

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from simulators.devices import GROUP
+from canopen_twins.devices import GROUP
 
 ROOT = Path(__file__).parent.parent
 EXAMPLE = ROOT / "docs" / "examples" / "canopen-fan"
@@ -64,7 +64,7 @@ def python(packages):
 
 
 def test_a_device_that_is_installed_is_listed_with_the_others(python):
-    listed = python("simulators", "list")
+    listed = python("canopen_twins", "list")
     assert (listed.returncode, listed.stderr) == (0, "")
     assert "\nfan      Example fan with CANopen speed controller\n" in listed.stdout
     assert listed.stdout.startswith("charger ")
@@ -80,11 +80,11 @@ def test_a_device_that_is_installed_is_listed_with_the_others(python):
     ],
 )
 def test_every_command_knows_it(python, command, told):
-    assert told in python("simulators", command, "fan").stdout
+    assert told in python("canopen_twins", command, "fan").stdout
 
 
 def test_its_story_is_played(python):
-    played = python("simulators", "play", "fan_blocked.twin.yaml")
+    played = python("canopen_twins", "play", "fan_blocked.twin.yaml")
     assert played.returncode == 0, played.stdout + played.stderr
     assert "(0000000006.000000) can0 089#2171810000000000\n" in played.stdout
     assert "fan_blocked.twin.yaml: PASS" in played.stdout
@@ -92,7 +92,7 @@ def test_its_story_is_played(python):
 
 def test_a_picture_of_its_run_has_its_curves_and_its_states(python, packages):
     picture = packages / "fan.svg"
-    played = python("simulators", "play", "fan_blocked.twin.yaml", "--plot", picture)
+    played = python("canopen_twins", "play", "fan_blocked.twin.yaml", "--plot", picture)
     assert played.returncode == 0, played.stderr
     drawn = picture.read_text("utf-8")
     assert all(word in drawn for word in ("Speed", "rpm", "free", "stuck"))
@@ -101,12 +101,12 @@ def test_a_picture_of_its_run_has_its_curves_and_its_states(python, packages):
 def test_its_record_has_the_version_of_its_package_and_can_be_replayed(python, packages):
     install(packages, project("broken", {"a_pump": "no_such_package:Pump"}))
     folder = packages / "record"
-    played = python("simulators", "play", "fan_blocked.twin.yaml", "--record", folder)
+    played = python("canopen_twins", "play", "fan_blocked.twin.yaml", "--record", folder)
     assert played.returncode == 0, played.stderr
     versions = json.loads((folder / "run.json").read_text())["versions"]
     assert versions["canopen-fan"] == "1.0.0"
     assert "broken" not in versions
-    assert python("simulators", "replay", folder).returncode == 0
+    assert python("canopen_twins", "replay", folder).returncode == 0
 
 
 def test_its_own_tests_use_a_fixture_of_its_name(python):
@@ -123,7 +123,7 @@ def test_it_holds_what_every_device_has_to(python):
 
 def test_a_name_that_is_taken_is_refused_with_both_owners(python, packages):
     install(packages, project("my-supplies", {"topcon": "canopen_fan:Fan"}))
-    refused = python("simulators", "objects", "topcon")
+    refused = python("canopen_twins", "objects", "topcon")
     assert refused.returncode == 2
     assert refused.stderr == (
         "canopen-twin: device 'topcon' comes from canopen-twins and from my-supplies: remove one\n"
@@ -140,11 +140,11 @@ def test_a_name_that_is_taken_is_refused_with_both_owners(python, packages):
 )
 def test_one_that_is_broken_is_told_and_hides_no_other(python, packages, what, told):
     install(packages, project("my-pumps", {"pump": what}))
-    listed = python("simulators", "list")
+    listed = python("canopen_twins", "list")
     assert listed.returncode == 0
     assert "\nfan " in listed.stdout
     assert listed.stderr == f"device 'pump' of my-pumps: {told}\n"
-    asked = python("simulators", "objects", "pump")
+    asked = python("canopen_twins", "objects", "pump")
     assert (asked.returncode, asked.stderr) == (2, f"canopen-twin: {listed.stderr}")
 
 

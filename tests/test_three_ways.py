@@ -6,11 +6,11 @@ from threading import Thread
 import judged_master
 import pytest
 
-from simulators.cli import main
-from simulators.replay import Verdict, load, play
-from simulators.resources import od_file
-from simulators.scenario_bench import ScenarioBench
-from simulators.simulated_time import simulated_time
+from canopen_twins.bench.simulated_time import simulated_time
+from canopen_twins.cli import main
+from canopen_twins.files.shipped import od_file
+from canopen_twins.scenario import Verdict, load, play
+from canopen_twins.scenario.bench import ScenarioBench
 
 JUDGE = """\
 version: 1

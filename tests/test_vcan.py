@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from simulators import vcan
-from simulators.errors import UserError
-from simulators.vcan import guest, process
+from canopen_twins.bus import vcan
+from canopen_twins.bus.vcan import guest, process
+from canopen_twins.errors import UserError
 
 COMMAND = """
 pwd; echo "$GREETING"; echo told >&2
@@ -18,7 +18,7 @@ ip -brief link show vcan0 | cut -d' ' -f1
 echo kept >out/kept; echo lost >lost
 exit 7
 """
-VCAN = [sys.executable, "-m", "simulators", "vcan"]
+VCAN = [sys.executable, "-m", "canopen_twins", "vcan"]
 
 boots = pytest.mark.skipif(
     shutil.which("linux.uml") is None or vcan.is_up(),

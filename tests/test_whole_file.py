@@ -2,7 +2,7 @@ import os
 
 import pytest
 
-from simulators.whole_file import write_whole
+from canopen_twins.files.whole import write_whole
 
 
 def test_a_file_is_replaced(tmp_path):

@@ -3,10 +3,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from simulators.clock import Clock
-from simulators.errors import UserError
-from simulators.frame import Frame, pattern
-from simulators.wire import Wire, through
+from canopen_twins.bus.clock import Clock
+from canopen_twins.bus.frame import Frame, pattern
+from canopen_twins.bus.wire import Wire, through
+from canopen_twins.errors import UserError
 
 DATA = st.binary(max_size=8)
 STANDARD = st.builds(Frame, st.integers(0, 0x7FF), DATA, st.just(False), st.just(False))

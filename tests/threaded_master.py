@@ -8,7 +8,7 @@ from time import sleep as pause
 
 import canopen
 
-from simulators.dictionary import dictionary
+from canopen_twins.slave.dictionary import dictionary
 
 
 class Poller(threading.Thread):

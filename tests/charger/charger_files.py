@@ -3,9 +3,9 @@
 import canopen
 from canopen.objectdictionary import ODVariable
 
-from simulators.devices.charger.model.types import PCSC, Build, Variant
-from simulators.devices.charger.object_table import file_name
-from simulators.resources import od_file
+from canopen_twins.devices.charger.model.types import PCSC, Build, Variant
+from canopen_twins.devices.charger.object_table import file_name
+from canopen_twins.files.shipped import od_file
 
 NODE_ID = 99
 

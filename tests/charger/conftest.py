@@ -2,14 +2,14 @@ import pytest
 import yaml
 from charger_bus import release
 
-from simulators import Bench
-from simulators.devices.charger.message_file import read_catalogue
-from simulators.devices.charger.model.charger import Charger
-from simulators.devices.charger.model.parameter import Parameter
-from simulators.devices.charger.model.release import Source
-from simulators.devices.charger.model.types import PCSC, Build, Variant
-from simulators.devices.charger.object_table import factory
-from simulators.resources import od_file
+from canopen_twins import Bench
+from canopen_twins.devices.charger.messages import read_catalogue
+from canopen_twins.devices.charger.model.charger import Charger
+from canopen_twins.devices.charger.model.parameters import Parameter
+from canopen_twins.devices.charger.model.release import Source
+from canopen_twins.devices.charger.model.types import PCSC, Build, Variant
+from canopen_twins.devices.charger.object_table import factory
+from canopen_twins.files.shipped import od_file
 
 
 @pytest.fixture(scope="session")

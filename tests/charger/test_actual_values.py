@@ -1,7 +1,7 @@
 import pytest
 from charger_bus import put, release, value
 
-from simulators import Bench, devices
+from canopen_twins import Bench, devices
 
 
 @pytest.mark.spec("C-162", "C-165", "C-181", "C-182", "C-183", "A-65")

@@ -3,10 +3,9 @@ from copy import deepcopy
 import pytest
 import yaml
 
-from simulators.devices.charger.message_file import read_catalogue
-from simulators.devices.charger.model.catalogue import Catalogue, Kind, Message
-from simulators.devices.charger.model.causes import CAUSES
-from simulators.errors import UserError
+from canopen_twins.devices.charger.messages import read_catalogue
+from canopen_twins.devices.charger.model.messages import CAUSES, Catalogue, Kind, Message
+from canopen_twins.errors import UserError
 
 INJECTED_ONLY = {"hardware", "parameter_memory", "discharging_short"}
 

@@ -2,9 +2,9 @@ from dataclasses import replace
 
 import pytest
 
-from simulators.devices.charger.model.load import SHORT
-from simulators.devices.charger.model.thermal import Heat
-from simulators.devices.charger.model.types import PCSC, Variant
+from canopen_twins.devices.charger.model.load import SHORT
+from canopen_twins.devices.charger.model.thermal import Heat
+from canopen_twins.devices.charger.model.types import PCSC, Variant
 
 THRESHOLDS = [
     ("power_stage", 75, 85),

@@ -1,7 +1,7 @@
 import pytest
 
-from simulators.devices.charger.model.parameter import Parameter
-from simulators.devices.charger.model.types import PCMT, PCSC, Variant
+from canopen_twins.devices.charger.model.parameters import Parameter
+from canopen_twins.devices.charger.model.types import PCMT, PCSC, Variant
 
 
 @pytest.mark.spec("C-153")

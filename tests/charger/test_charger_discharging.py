@@ -1,12 +1,12 @@
 import pytest
 
-from simulators.devices.charger.model.bars import Bars, Dirt, Discharge
-from simulators.devices.charger.model.catalogue import Kind
-from simulators.devices.charger.model.load import Web
-from simulators.devices.charger.model.parameter import Parameter
-from simulators.devices.charger.model.release import Source
-from simulators.devices.charger.model.thermal import Heat
-from simulators.devices.charger.model.types import PCSC, Variant
+from canopen_twins.devices.charger.model.bars import Bars, Dirt, Discharge
+from canopen_twins.devices.charger.model.load import Web
+from canopen_twins.devices.charger.model.messages import Kind
+from canopen_twins.devices.charger.model.parameters import Parameter
+from canopen_twins.devices.charger.model.release import Source
+from canopen_twins.devices.charger.model.thermal import Heat
+from canopen_twins.devices.charger.model.types import PCSC, Variant
 
 
 @pytest.fixture

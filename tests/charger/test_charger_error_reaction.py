@@ -1,8 +1,8 @@
 import pytest
 
-from simulators.devices.charger.model.catalogue import Kind
-from simulators.devices.charger.model.parameter import Parameter
-from simulators.devices.charger.model.release import Source, State
+from canopen_twins.devices.charger.model.messages import Kind
+from canopen_twins.devices.charger.model.parameters import Parameter
+from canopen_twins.devices.charger.model.release import Source, State
 
 
 @pytest.mark.spec("C-143")

@@ -1,8 +1,8 @@
 import pytest
 
-from simulators.devices.charger.model.hours import MINUTE, Hours, duration
-from simulators.devices.charger.model.release import Source
-from simulators.devices.charger.model.types import PCSC, Variant
+from canopen_twins.devices.charger.model.hours import MINUTE, Hours, duration
+from canopen_twins.devices.charger.model.release import Source
+from canopen_twins.devices.charger.model.types import PCSC, Variant
 
 HOUR = 60 * MINUTE
 DAY = 24 * HOUR

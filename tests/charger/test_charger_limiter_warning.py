@@ -1,6 +1,6 @@
 import pytest
 
-from simulators.devices.charger.model.parameter import Parameter
+from canopen_twins.devices.charger.model.parameters import Parameter
 
 
 def clear(charger, key):

@@ -1,12 +1,11 @@
 import pytest
 
-from simulators.devices.charger.model.catalogue import Catalogue, Kind, Message
-from simulators.devices.charger.model.causes import CAUSES
-from simulators.devices.charger.model.charger import Charger
-from simulators.devices.charger.model.parameter import Parameter
-from simulators.devices.charger.model.release import Source
-from simulators.devices.charger.model.thermal import Heat
-from simulators.devices.charger.model.types import PCSC, Build
+from canopen_twins.devices.charger.model.charger import Charger
+from canopen_twins.devices.charger.model.messages import CAUSES, Catalogue, Kind, Message
+from canopen_twins.devices.charger.model.parameters import Parameter
+from canopen_twins.devices.charger.model.release import Source
+from canopen_twins.devices.charger.model.thermal import Heat
+from canopen_twins.devices.charger.model.types import PCSC, Build
 
 
 def clear(charger, key):

@@ -1,9 +1,9 @@
 import pytest
 
-from simulators.devices.charger.model.load import OPEN, SHORT, AirGap, Load, Resistor, Web
-from simulators.devices.charger.model.regulators import Demand, regulate
-from simulators.devices.charger.model.surroundings import Surroundings
-from simulators.devices.charger.model.types import PCMT, PCRT, PCSC, PCTL, Mode, Quantity
+from canopen_twins.devices.charger.model.load import OPEN, SHORT, AirGap, Load, Resistor, Web
+from canopen_twins.devices.charger.model.output import Demand, regulate
+from canopen_twins.devices.charger.model.surroundings import Surroundings
+from canopen_twins.devices.charger.model.types import PCMT, PCRT, PCSC, PCTL, Mode, Quantity
 
 
 def microamperes(charger):

@@ -1,8 +1,8 @@
 import pytest
 
-from simulators.devices.charger.model.parameter import LIMITS, Direction, OutOfRange, Parameter
-from simulators.devices.charger.model.types import PCMT, PCSC, PCTL, TYPES
-from simulators.devices.charger.object_table import factory, table
+from canopen_twins.devices.charger.model.parameters import LIMITS, Direction, OutOfRange, Parameter
+from canopen_twins.devices.charger.model.types import PCMT, PCSC, PCTL, TYPES
+from canopen_twins.devices.charger.object_table import factory, table
 
 VOLTAGE = (Parameter.VOLTAGE_SETPOINT, Parameter.VOLTAGE_MINIMUM, Parameter.VOLTAGE_MAXIMUM)
 CURRENT = (Parameter.CURRENT_SETPOINT, Parameter.CURRENT_MINIMUM, Parameter.CURRENT_MAXIMUM)

@@ -1,8 +1,8 @@
 import pytest
 
-from simulators.devices.charger.model.load import OPEN
-from simulators.devices.charger.model.parameter import Parameter
-from simulators.devices.charger.model.release import Source
+from canopen_twins.devices.charger.model.load import OPEN
+from canopen_twins.devices.charger.model.parameters import Parameter
+from canopen_twins.devices.charger.model.release import Source
 
 MINUTE = 60.0
 

@@ -1,8 +1,8 @@
 import pytest
 
-from simulators.devices.charger.model.parameter import Parameter
-from simulators.devices.charger.model.ramp import Ramp
-from simulators.devices.charger.model.release import Source
+from canopen_twins.devices.charger.model.output import Ramp
+from canopen_twins.devices.charger.model.parameters import Parameter
+from canopen_twins.devices.charger.model.release import Source
 
 
 def microamperes(charger):

@@ -1,8 +1,8 @@
 import pytest
 
-from simulators.devices.charger.model.charger import Key
-from simulators.devices.charger.model.parameter import Parameter
-from simulators.devices.charger.model.release import NEXT, Event, Source, State
+from canopen_twins.devices.charger.model.charger import Key
+from canopen_twins.devices.charger.model.parameters import Parameter
+from canopen_twins.devices.charger.model.release import NEXT, Event, Source, State
 
 BUSES = [Source.CANOPEN, Source.ETHERNET]
 OTHERS = [Source.HMI, Source.ANALOG, Source.AUTOSTART]

@@ -2,7 +2,7 @@ import pytest
 from canopen.objectdictionary.datatypes import INTEGER16, UNSIGNED8, UNSIGNED16, UNSIGNED32
 from charger_files import entries, load
 
-from simulators.devices.charger.model.types import PCMT, PCSC, PCTL, TYPES
+from canopen_twins.devices.charger.model.types import PCMT, PCSC, PCTL, TYPES
 
 
 @pytest.fixture(scope="module")

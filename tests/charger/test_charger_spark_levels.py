@@ -1,7 +1,7 @@
 import pytest
 
-from simulators.devices.charger.model.sparks import Counter, Sparks, SparkValue
-from simulators.devices.charger.model.types import PCMT, PCSC
+from canopen_twins.devices.charger.model.sparks import Counter, Sparks, SparkValue
+from canopen_twins.devices.charger.model.types import PCMT, PCSC
 
 SE, SW, WE, WW = Counter
 

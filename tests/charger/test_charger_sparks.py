@@ -1,8 +1,8 @@
 import pytest
 
-from simulators.devices.charger.model.parameter import Parameter
-from simulators.devices.charger.model.release import Source, State
-from simulators.devices.charger.model.sparks import Counter, Counting, Sparks
+from canopen_twins.devices.charger.model.parameters import Parameter
+from canopen_twins.devices.charger.model.release import Source, State
+from canopen_twins.devices.charger.model.sparks import Counter, Counting, Sparks
 
 SE, SW, WE, WW = Counter
 

@@ -1,9 +1,9 @@
 import pytest
 
-from simulators.devices.charger.model.parameter import Parameter
-from simulators.devices.charger.model.release import Source
-from simulators.devices.charger.model.sparks import Counter
-from simulators.devices.charger.model.storm import Storm
+from canopen_twins.devices.charger.model.parameters import Parameter
+from canopen_twins.devices.charger.model.release import Source
+from canopen_twins.devices.charger.model.sparks import Counter
+from canopen_twins.devices.charger.model.storm import Storm
 
 
 def counts(charger):

@@ -1,7 +1,7 @@
 import pytest
 
-from simulators.devices.charger.model.supply import feed
-from simulators.devices.charger.model.thermal import Heat, Temperature
+from canopen_twins.devices.charger.model.surroundings import feed
+from canopen_twins.devices.charger.model.thermal import Heat, Temperature
 
 HOUR = 3600.0
 

@@ -4,15 +4,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from simulators.devices.charger.model.charger import Charger
-from simulators.devices.charger.model.hours import duration
-from simulators.devices.charger.model.load import SHORT
-from simulators.devices.charger.model.parameter import Parameter
-from simulators.devices.charger.model.release import Source
-from simulators.devices.charger.model.storm import Storm
-from simulators.devices.charger.model.thermal import Heat
-from simulators.devices.charger.model.types import PCSC, Build, Variant
-from simulators.devices.charger.object_table import factory
+from canopen_twins.devices.charger.model.charger import Charger
+from canopen_twins.devices.charger.model.hours import duration
+from canopen_twins.devices.charger.model.load import SHORT
+from canopen_twins.devices.charger.model.parameters import Parameter
+from canopen_twins.devices.charger.model.release import Source
+from canopen_twins.devices.charger.model.storm import Storm
+from canopen_twins.devices.charger.model.thermal import Heat
+from canopen_twins.devices.charger.model.types import PCSC, Build, Variant
+from canopen_twins.devices.charger.object_table import factory
 
 TICK = 0.01
 ACTS = {

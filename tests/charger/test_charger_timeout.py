@@ -1,7 +1,7 @@
 import pytest
 
-from simulators.devices.charger.model.parameter import Parameter
-from simulators.devices.charger.model.release import Release, Source
+from canopen_twins.devices.charger.model.parameters import Parameter
+from canopen_twins.devices.charger.model.release import Release, Source
 
 BUSES = [Source.CANOPEN, Source.ETHERNET]
 OTHERS = [Source.HMI, Source.ANALOG, Source.AUTOSTART]

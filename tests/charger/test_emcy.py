@@ -1,7 +1,7 @@
 import pytest
 from charger_bus import START, aborted, ask, put, refused, release, value
 
-from simulators import Bench
+from canopen_twins import Bench
 
 HARDWARE, MEMORY = "0E3#005001010B000000", "0E3#006301010C000000"
 CLEARED_HARDWARE = "0E3#000000010B000000"

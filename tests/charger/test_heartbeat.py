@@ -1,7 +1,7 @@
 import pytest
 from charger_bus import ENTER_PREOP, START, STOP, aborted, ask, refused
 
-from simulators import Bench
+from canopen_twins import Bench
 
 
 @pytest.mark.spec("C-024", "A-01")

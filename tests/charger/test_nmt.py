@@ -13,7 +13,7 @@ from charger_bus import (
     value,
 )
 
-from simulators import Bench
+from canopen_twins import Bench
 
 BEAT = {START: "763#05", STOP: "763#04", ENTER_PREOP: "763#7F"}
 

@@ -12,7 +12,7 @@ from charger_bus import (
     value,
 )
 
-from simulators import Bench
+from canopen_twins import Bench
 
 IDLE = ["1E3#0000000000000000", "2E3#0000000000000300", "3E3#0000000000000000"]
 AT_20_KV = ["1E3#2943282800000000", "2E3#204ED00790010300", "3E3#0000000000000000"]

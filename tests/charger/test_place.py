@@ -14,7 +14,7 @@ from charger_bus import (
     value,
 )
 
-from simulators import Bench
+from canopen_twins import Bench
 
 STORE = "7E5#1700000000000000"
 BOOTED_AS_42 = ["72A#00"]

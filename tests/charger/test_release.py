@@ -1,7 +1,7 @@
 import pytest
 from charger_bus import START, aborted, put, release, status, value
 
-from simulators import Bench
+from canopen_twins import Bench
 
 
 def command(bench, byte):

@@ -2,7 +2,7 @@ import pytest
 from canopen.objectdictionary.datatypes import VISIBLE_STRING
 from charger_bus import ENTER_PREOP, START, aborted, ask, refused, value
 
-from simulators import Bench
+from canopen_twins import Bench
 
 SIZED = {1: "2F", 2: "2B", 4: "23"}
 

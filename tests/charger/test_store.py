@@ -17,8 +17,8 @@ from charger_bus import (
     value,
 )
 
-from simulators import Bench, devices
-from simulators.memory import Memory
+from canopen_twins import Bench, devices
+from canopen_twins.slave.memory import Memory
 
 OTHERS = {  # a value for every entry of 0x2002 that is kept, in an order in which each is legal
     0x01: 700,

@@ -1,7 +1,7 @@
 import pytest
 from charger_bus import CANOPEN, put, release, status, value
 
-from simulators import Bench, UserError
+from canopen_twins import Bench, UserError
 
 
 @pytest.mark.spec("C-163", "C-164", "A-54", "A-66")

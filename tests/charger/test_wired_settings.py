@@ -4,7 +4,7 @@ import pytest
 import yaml
 from charger_bus import START, put, release, status, value
 
-from simulators import Bench, UserError
+from canopen_twins import Bench, UserError
 
 
 @pytest.mark.spec("C-111", "C-156", "A-71")

@@ -2,7 +2,7 @@ from collections.abc import Callable
 
 import pytest
 
-from simulators import Bench
+from canopen_twins import Bench
 
 START, SYNC = "000#0105", "080#"
 READ_VOLTAGE = "605#4020200000000000"

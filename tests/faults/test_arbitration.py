@@ -2,9 +2,8 @@ from itertools import permutations
 
 import pytest
 
-from simulators.arbitration import priority
-from simulators.bits import length
-from simulators.frame import Frame
+from canopen_twins.bus.frame import Frame, length
+from canopen_twins.bus.segment import priority
 
 from .conftest import READ_VOLTAGE, SYNC
 

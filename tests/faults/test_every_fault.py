@@ -3,9 +3,9 @@ from pathlib import Path
 
 import pytest
 
-from simulators import Bench, devices
-from simulators.faults import Fault
-from simulators.mischief import AIM, LEVELS
+from canopen_twins import Bench, devices
+from canopen_twins.device.faults import Fault
+from canopen_twins.faults import AIM, LEVELS
 
 from .conftest import READ_VERSION, READ_VOLTAGE, START, SYNC
 

@@ -3,9 +3,8 @@ from random import Random
 import pytest
 from canopen import SdoCommunicationError
 
-from simulators import UserError
-from simulators.bits import length
-from simulators.frame import Frame
+from canopen_twins import UserError
+from canopen_twins.bus.frame import Frame, length
 
 from .conftest import READ_VERSION, READ_VOLTAGE, SYNC
 

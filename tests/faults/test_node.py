@@ -1,7 +1,7 @@
 import pytest
 from canopen import SdoCommunicationError
 
-from simulators import Bench, UserError
+from canopen_twins import Bench, UserError
 
 from .conftest import READ_VOLTAGE, START
 

@@ -1,7 +1,7 @@
 import pytest
 
-from simulators import UserError
-from simulators.mischief.turn import Turn
+from canopen_twins import UserError
+from canopen_twins.faults.disturbance import Turn
 
 
 def struck(turn, length=12):

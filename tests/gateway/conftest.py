@@ -4,14 +4,14 @@ from pathlib import Path
 import pytest
 import yaml
 
-from simulators import Bench
-from simulators.devices.gateway.model.assignment import assignment
-from simulators.devices.gateway.model.machines import Tables
-from simulators.devices.gateway.model.options import Options
-from simulators.devices.gateway.model.scaling import scaling
-from simulators.devices.gateway.model.state import MasterCommand
-from simulators.devices.gateway.model.system import System
-from simulators.devices.gateway.model.table import catalogue
+from canopen_twins import Bench
+from canopen_twins.devices.gateway.model.assignment import assignment
+from canopen_twins.devices.gateway.model.machines import Tables
+from canopen_twins.devices.gateway.model.options import Options
+from canopen_twins.devices.gateway.model.parameters import catalogue
+from canopen_twins.devices.gateway.model.scaling import scaling
+from canopen_twins.devices.gateway.model.state import MasterCommand
+from canopen_twins.devices.gateway.model.system import System
 
 OD = Path(__file__).parents[2] / "od"
 

@@ -1,8 +1,8 @@
 import pytest
 
-from simulators.devices.gateway.model.bootloader import PARAMETERS, Eeprom, EndlessLoop
-from simulators.devices.gateway.model.canopen_bus import BootUp
-from simulators.devices.gateway.model.state import State
+from canopen_twins.devices.gateway.model.bootloader import PARAMETERS, Eeprom, EndlessLoop
+from canopen_twins.devices.gateway.model.canopen_side import BootUp
+from canopen_twins.devices.gateway.model.state import State
 
 UNITS = ["gateway", "governor"]
 

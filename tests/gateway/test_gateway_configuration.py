@@ -1,9 +1,9 @@
 import pytest
 
-from simulators.devices.gateway.model.dictionary import Entry
-from simulators.devices.gateway.model.state import State
-from simulators.devices.gateway.model.telegrams import Refusal
-from simulators.devices.gateway.model.timing import cycles, microseconds
+from canopen_twins.devices.gateway.model.dictionary import Entry
+from canopen_twins.devices.gateway.model.state import State
+from canopen_twins.devices.gateway.model.telegrams import Refusal
+from canopen_twins.devices.gateway.model.timing import cycles, microseconds
 
 TPDO4_ONLY = {"governor": {16472: 0}}
 NO_BINARY = {"governor": {14401: 0, 14402: 0}}

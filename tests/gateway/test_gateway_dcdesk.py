@@ -2,8 +2,8 @@ from shutil import rmtree
 
 import pytest
 
-from simulators import Bench, UserError
-from simulators.memory import Memory
+from canopen_twins import Bench, UserError
+from canopen_twins.slave.memory import Memory
 
 from .bus import BOOT_UP, START, read, word
 

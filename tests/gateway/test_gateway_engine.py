@@ -1,8 +1,8 @@
 import pytest
 
-from simulators.devices.gateway.model.engine import Engine
-from simulators.devices.gateway.model.speed import NEXT, Mode
-from simulators.devices.gateway.model.timing import Time
+from canopen_twins.devices.gateway.model.engine import Engine
+from canopen_twins.devices.gateway.model.engine_control import NEXT, Mode
+from canopen_twins.devices.gateway.model.timing import Time
 
 CYCLE = 0.015625
 

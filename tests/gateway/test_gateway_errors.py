@@ -1,11 +1,11 @@
 import pytest
 
-from simulators.devices.gateway.model.canopen_bus import BootUp, Heartbeat, TpdoFrame
-from simulators.devices.gateway.model.canopen_errors import NUMBERS, CanopenError
-from simulators.devices.gateway.model.errors import FATAL
-from simulators.devices.gateway.model.state import GovernorCommand, MasterCommand, State
-from simulators.devices.gateway.model.system import Buffer
-from simulators.devices.gateway.model.telegrams import Command
+from canopen_twins.devices.gateway.model.canopen_errors import NUMBERS, CanopenError
+from canopen_twins.devices.gateway.model.canopen_side import BootUp, Heartbeat, TpdoFrame
+from canopen_twins.devices.gateway.model.errors import FATAL
+from canopen_twins.devices.gateway.model.state import GovernorCommand, MasterCommand, State
+from canopen_twins.devices.gateway.model.system import Buffer
+from canopen_twins.devices.gateway.model.telegrams import Command
 
 NO_HEARTBEAT = {"gateway": {429: 0}}
 OPERATIONAL = MasterCommand.OPERATIONAL

@@ -1,7 +1,7 @@
 import pytest
 
-from simulators import Bench, UserError
-from simulators.services import State
+from canopen_twins import Bench, UserError
+from canopen_twins.slave.service import State
 
 from .bus import BOOT_UP, ENTER_PREOP, START, heard, read, word
 

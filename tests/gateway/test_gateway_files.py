@@ -1,11 +1,10 @@
 import pytest
 import yaml
 
-from simulators.devices.gateway.model.assignment import ENGINE_STATES, assignment
-from simulators.devices.gateway.model.parameters import Unit
-from simulators.devices.gateway.model.scaling import scaling
-from simulators.devices.gateway.model.table import catalogue
-from simulators.resources import od_file
+from canopen_twins.devices.gateway.model.assignment import ENGINE_STATES, assignment
+from canopen_twins.devices.gateway.model.parameters import Unit, catalogue
+from canopen_twins.devices.gateway.model.scaling import scaling
+from canopen_twins.files.shipped import od_file
 
 ROW = {
     "control_unit": "gateway",

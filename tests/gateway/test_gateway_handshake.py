@@ -1,11 +1,11 @@
 import pytest
 
-from simulators.devices.gateway.model.canopen_bus import BootUp
-from simulators.devices.gateway.model.canopen_errors import CanopenError
-from simulators.devices.gateway.model.handshake import NEXT, UNDERWAY, Event, Handshake, Phase
-from simulators.devices.gateway.model.parameters import Unit
-from simulators.devices.gateway.model.state import GovernorCommand, MasterCommand, State
-from simulators.devices.gateway.model.telegrams import (
+from canopen_twins.devices.gateway.model.canopen_errors import CanopenError
+from canopen_twins.devices.gateway.model.canopen_side import BootUp
+from canopen_twins.devices.gateway.model.handshake import NEXT, UNDERWAY, Event, Handshake, Phase
+from canopen_twins.devices.gateway.model.parameters import Unit
+from canopen_twins.devices.gateway.model.state import GovernorCommand, MasterCommand, State
+from canopen_twins.devices.gateway.model.telegrams import (
     BinaryPart,
     Command,
     GatewayAlive,
@@ -15,7 +15,7 @@ from simulators.devices.gateway.model.telegrams import (
     InitResult,
     Refusal,
 )
-from simulators.devices.gateway.model.timing import Time
+from canopen_twins.devices.gateway.model.timing import Time
 
 OWN_IS_PARTNER = {"gateway": {428: 1}}
 

@@ -1,6 +1,6 @@
 import pytest
 
-from simulators.devices.gateway.model.state import MasterCommand, State
+from canopen_twins.devices.gateway.model.state import MasterCommand, State
 
 OPERATIONAL = MasterCommand.OPERATIONAL
 WATCHING = {"gateway": {428: 127, 430: 100}}

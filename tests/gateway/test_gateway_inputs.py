@@ -1,6 +1,6 @@
 import pytest
 
-from simulators.devices.gateway.model.state import MasterCommand
+from canopen_twins.devices.gateway.model.state import MasterCommand
 
 SENSOR_BITS = 1 << 5 | 1 << 6 | 1 << 11  # sensors 900, 901, 906 of the manual's example
 CURRENT_LOAD_BIT = 1 << 6  # sensor 917, in the second word

@@ -1,7 +1,7 @@
 import pytest
 
-from simulators import Bench
-from simulators.services import State
+from canopen_twins import Bench
+from canopen_twins.slave.service import State
 
 from .bus import BOOT_UP, ENTER_PREOP, RESET_COMMUNICATION, RESET_NODE, START, STOP, heard, read
 

@@ -1,12 +1,7 @@
 import re
 from pathlib import Path
 
-from simulators.devices.gateway.model.state import (
-    NEXT,
-    GovernorCommand,
-    MasterCommand,
-    Trouble,
-)
+from canopen_twins.devices.gateway.model.state import NEXT, GovernorCommand, MasterCommand, Trouble
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "devices" / "gateway.md").read_text("utf-8")
@@ -50,7 +45,7 @@ def test_every_assumption_is_told_once_and_says_how_to_change_it_or_why_not():
 def test_every_assumption_the_code_names_is_told():
     told = set(re.findall(r"^\| (A-\d+) \|", PAGE, re.MULTILINE))
     files = [
-        *ROOT.glob("simulators/devices/gateway/**/*.py"),
+        *ROOT.glob("simulators/canopen_twins/devices/gateway/**/*.py"),
         *ROOT.glob("od/gateway*"),
         *ROOT.glob("scenarios/gateway*"),
     ]

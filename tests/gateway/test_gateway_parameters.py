@@ -2,10 +2,10 @@ import json
 
 import pytest
 
-from simulators.devices.gateway.model.configuration import SENSORS, SWITCH_FUNCTIONS
-from simulators.devices.gateway.model.desk import SHOWN
-from simulators.devices.gateway.model.parameters import Kind, Unit
-from simulators.devices.gateway.model.state import State
+from canopen_twins.devices.gateway.model.configuration import SENSORS, SWITCH_FUNCTIONS
+from canopen_twins.devices.gateway.model.desk import SHOWN
+from canopen_twins.devices.gateway.model.parameters import Kind, Unit
+from canopen_twins.devices.gateway.model.state import State
 
 # 11.2 to 11.5 as printed: number -> name, range, level
 PRINTED = {

@@ -2,9 +2,8 @@ from itertools import pairwise
 
 import pytest
 
-from simulators.devices.gateway.model.canopen_bus import TpdoFrame
-from simulators.devices.gateway.model.outputs import FirstTpdo
-from simulators.devices.gateway.model.state import MasterCommand
+from canopen_twins.devices.gateway.model.canopen_side import FirstTpdo, TpdoFrame
+from canopen_twins.devices.gateway.model.state import MasterCommand
 
 SILENT_ENGINE = {"governor": {16460: 0, 16472: 0}}  # no analogue TPDOs
 

@@ -1,10 +1,10 @@
 import pytest
 
-from simulators.devices.gateway.model.canopen_bus import BootUp, TpdoFrame
-from simulators.devices.gateway.model.parameters import Unit
-from simulators.devices.gateway.model.state import MasterCommand, State
-from simulators.devices.gateway.model.telegrams import GovernorAlive
-from simulators.devices.gateway.model.timing import NEVER
+from canopen_twins.devices.gateway.model.canopen_side import BootUp, TpdoFrame
+from canopen_twins.devices.gateway.model.parameters import Unit
+from canopen_twins.devices.gateway.model.state import MasterCommand, State
+from canopen_twins.devices.gateway.model.telegrams import GovernorAlive
+from canopen_twins.devices.gateway.model.timing import NEVER
 
 NO_HEARTBEAT = {"gateway": {429: 0}}
 

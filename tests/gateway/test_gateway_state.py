@@ -1,7 +1,7 @@
 import pytest
 
-from simulators.devices.gateway.model.canopen_bus import BootUp
-from simulators.devices.gateway.model.state import (
+from canopen_twins.devices.gateway.model.canopen_side import BootUp
+from canopen_twins.devices.gateway.model.state import (
     COMMUNICATING,
     NEXT,
     GovernorCommand,

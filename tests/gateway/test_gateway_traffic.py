@@ -2,7 +2,7 @@ from itertools import pairwise
 
 import pytest
 
-from simulators import Bench
+from canopen_twins import Bench
 
 from .bus import ENTER_PREOP, START, STOP, heard, read, word
 

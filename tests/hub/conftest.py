@@ -11,13 +11,13 @@ from threading import Event, Thread
 import can
 import pytest
 
-from simulators.hub.address import Address
-from simulators.hub.client import HubBus
-from simulators.hub.server import serve_hub
+from canopen_twins.bus.hub.client import HubBus
+from canopen_twins.bus.hub.protocol import Address
+from canopen_twins.bus.hub.server import serve_hub
 
 PATIENCE = 5.0
 EDS = str(Path(__file__).parents[2] / "od" / "topcon.eds")
-PROGRAM = [sys.executable, "-m", "simulators"]
+PROGRAM = [sys.executable, "-m", "canopen_twins"]
 
 
 class Caller:

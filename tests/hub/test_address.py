@@ -1,7 +1,7 @@
 import pytest
 
-from simulators.errors import UserError
-from simulators.hub.address import Address
+from canopen_twins.bus.hub.protocol import Address
+from canopen_twins.errors import UserError
 
 ADDRESSES = {
     "": ("127.0.0.1", 29536),

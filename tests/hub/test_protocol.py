@@ -7,8 +7,8 @@ from can.interfaces.socketcand.socketcand import (
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simulators.frame import Frame
-from simulators.hub.protocol import (
+from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.hub.protocol import (
     LONGEST,
     Refused,
     Stream,

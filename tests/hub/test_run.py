@@ -5,8 +5,8 @@ import can
 import canopen
 import pytest
 
-from simulators.cli import main
-from simulators.frame import Frame
+from canopen_twins.bus.frame import Frame
+from canopen_twins.cli import main
 
 from .conftest import EDS, PATIENCE, PROGRAM, started
 

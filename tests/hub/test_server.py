@@ -8,12 +8,12 @@ from threading import Event, Thread
 import can
 import pytest
 
-from simulators.errors import UserError
-from simulators.frame import Frame
-from simulators.hub import connection
-from simulators.hub.address import Address
-from simulators.hub.client import HubBus
-from simulators.hub.server import serve_hub
+from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.hub import server as connection
+from canopen_twins.bus.hub.client import HubBus
+from canopen_twins.bus.hub.protocol import Address
+from canopen_twins.bus.hub.server import serve_hub
+from canopen_twins.errors import UserError
 
 from .conftest import PATIENCE, hub_at
 

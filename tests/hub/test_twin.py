@@ -4,9 +4,9 @@ from queue import SimpleQueue
 import canopen
 import pytest
 
-from simulators.cli import main
-from simulators.hub.address import Address
-from simulators.hub.client import HubBus
+from canopen_twins.bus.hub.client import HubBus
+from canopen_twins.bus.hub.protocol import Address
+from canopen_twins.cli import main
 
 from .conftest import EDS, PATIENCE, hub_at, started
 

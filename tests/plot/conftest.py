@@ -6,11 +6,11 @@ from xml.etree import ElementTree
 import pytest
 from probe import Probe
 
-from simulators import devices
-from simulators.chart import Band, Chart, Curve, Mood
-from simulators.plot import Plot
-from simulators.plot.observer import Observer
-from simulators.replay import load, play
+from canopen_twins import devices
+from canopen_twins.device.chart import Band, Chart, Curve, Mood
+from canopen_twins.record.plot import Plot
+from canopen_twins.record.plot.observer import Observer
+from canopen_twins.scenario import load, play
 
 HEAD = "version: 1\nname: {}\nnode: {{device: meter, node_id: 5}}\nsteps:\n"
 SVG = "{http://www.w3.org/2000/svg}"

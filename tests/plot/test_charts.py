@@ -2,7 +2,7 @@ from math import isfinite
 
 import pytest
 
-from simulators import Bench, devices
+from canopen_twins import Bench, devices
 
 BOOT_TIME = 10.0  # seconds; some take their time
 

@@ -2,7 +2,7 @@ import sys
 
 import pytest
 
-from simulators.cli import main
+from canopen_twins.cli import main
 
 PLAY = ("play", "topcon_overvoltage.yaml")
 
@@ -61,7 +61,7 @@ def without_matplotlib(monkeypatch):
         if name.partition(".")[0] == "matplotlib":
             monkeypatch.setitem(sys.modules, name, None)
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    monkeypatch.delitem(sys.modules, "simulators.plot.figure", raising=False)
+    monkeypatch.delitem(sys.modules, "canopen_twins.record.plot.figure", raising=False)
 
 
 def test_without_matplotlib_the_extra_is_named(said, without_matplotlib, tmp_path):

@@ -3,12 +3,12 @@ from pathlib import Path
 
 import pytest
 
-from simulators.frame import Frame
-from simulators.mischief import connect
-from simulators.plot.observer import Observer
-from simulators.plot.view import MOST_MARKS
-from simulators.replay import load, play
-from simulators.segment import Segment
+from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.segment import Segment
+from canopen_twins.faults import connect
+from canopen_twins.record.plot.observer import Observer
+from canopen_twins.record.plot.run import MOST_MARKS
+from canopen_twins.scenario import load, play
 
 from .conftest import Meter
 

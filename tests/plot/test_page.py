@@ -3,7 +3,7 @@ from html.parser import HTMLParser
 
 import pytest
 
-from simulators.plot.page import MOST_LINES
+from canopen_twins.record.plot.page import MOST_LINES
 
 STEPS = """\
 - {at: 1, inject: {error: {code: 0x1234}}}

@@ -7,9 +7,9 @@ from pathlib import Path
 import matplotlib as mpl
 import pytest
 
-from simulators.plot import look
-from simulators.plot.view import MOST_MARKS
-from simulators.replay import load
+from canopen_twins.record.plot import look
+from canopen_twins.record.plot.run import MOST_MARKS
+from canopen_twins.scenario import load
 from tests.plot.conftest import Svg, draw
 
 ROOT = Path(__file__).parents[2]
@@ -139,7 +139,7 @@ def test_two_runs_give_the_same_bytes(drawn, suffix):
 
 PROGRAM = """\
 import sys
-from simulators.cli import main
+from canopen_twins.cli import main
 for suffix in "png", "svg", "html":
     main(["play", "gateway_power_up.yaml", "--plot", f"{sys.argv[1]}.{suffix}"])
 """

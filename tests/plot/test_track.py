@@ -2,8 +2,8 @@ import pytest
 from hypothesis import given
 from hypothesis.strategies import floats, lists, none, one_of
 
-from simulators.chart import Band, Mood
-from simulators.plot.track import MOST, Track, extremes, worst
+from canopen_twins.device.chart import Band, Mood
+from canopen_twins.record.plot.run import MOST, Track, extremes, worst
 
 
 def track_of(values, thin=extremes, period=0.001):

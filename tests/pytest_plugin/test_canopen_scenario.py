@@ -113,7 +113,7 @@ def test_the_master_of_the_test_is_alive_to_the_end_of_the_story(run, story, pyt
     )
     run("""
         import supervisor
-        from simulators.dictionary import dictionary
+        from canopen_twins.slave.dictionary import dictionary
 
         def test_gives_up(canopen_scenario, canopen_simulated_time):
             bench = canopen_scenario("trip.yaml")

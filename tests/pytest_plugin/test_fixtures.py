@@ -13,7 +13,7 @@ REAL_TIME = """
     def master(canopen_device):
         served = canopen_device("topcon", node_id=5, load="resistor 4")
         with canopen.Network().connect(**served.bus) as network:
-            from simulators.dictionary import dictionary
+            from canopen_twins.slave.dictionary import dictionary
 
             yield served, network.add_node(5, dictionary("topcon.eds", 5))
 """
@@ -87,7 +87,7 @@ def test_a_master_is_taken_to_simulated_time_until_the_end_of_the_test(run, pyte
     run("""
         import supply
         from time import sleep
-        from simulators.dictionary import dictionary
+        from canopen_twins.slave.dictionary import dictionary
 
         def test_simulated(topcon, canopen_simulated_time):
             canopen_simulated_time(topcon, "supply")
@@ -170,7 +170,7 @@ def test_a_bug_in_a_served_twin_fails_the_test(run):
 
 def test_loading_the_plugin_imports_nothing_of_can():
     code = (
-        "import sys, simulators.pytest_plugin; "
+        "import sys, canopen_twins.pytest_plugin; "
         "print([name for name in ('can', 'canopen', 'yaml') if name in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

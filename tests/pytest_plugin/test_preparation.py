@@ -2,7 +2,7 @@ import sys
 
 import pytest
 
-from simulators.pytest_plugin.preparation import prepare
+from canopen_twins.pytest_plugin import prepare
 
 
 @pytest.fixture
@@ -15,7 +15,7 @@ def imported(pytester):
             import sys
 
             def pytest_runtestloop(session):
-                names = [name for name in sys.modules if name.startswith("simulators.")]
+                names = [name for name in sys.modules if name.startswith("canopen_twins.")]
                 print("imported:", *names)
             """
         )
@@ -29,22 +29,22 @@ def imported(pytester):
 
 
 def test_a_test_without_our_fixtures_imports_nothing(imported):
-    assert "simulators.segment" not in imported("tmp_path")
+    assert "canopen_twins.bus.segment" not in imported("tmp_path")
 
 
 def test_the_fixture_of_a_device_has_it_imported_and_read_before_the_first_test(imported):
     names = imported("topcon")
-    assert "simulators.devices.topcon" in names
-    assert "simulators.devices.charger" not in names
-    assert "simulators.served" not in names
+    assert "canopen_twins.devices.topcon" in names
+    assert "canopen_twins.devices.charger" not in names
+    assert "canopen_twins.live.served" not in names
 
 
 def test_a_fixture_for_any_device_has_all_of_them_there(imported):
     assert {
-        "simulators.devices.topcon",
-        "simulators.devices.charger",
-        "simulators.devices.gateway",
-        "simulators.served",
+        "canopen_twins.devices.topcon",
+        "canopen_twins.devices.charger",
+        "canopen_twins.devices.gateway",
+        "canopen_twins.live.served",
     } <= imported("canopen_device")
 
 
@@ -55,7 +55,7 @@ def test_a_list_of_tests_is_made_without(pytester):
         import sys
 
         def pytest_unconfigure():
-            print("there:", "simulators.bench" in sys.modules)
+            print("there:", "canopen_twins.bench.bench" in sys.modules)
         """
     )
     result = pytester.runpytest_subprocess("--collect-only", "-q", "-s")
@@ -63,5 +63,5 @@ def test_a_list_of_tests_is_made_without(pytester):
 
 
 def test_a_device_that_is_broken_is_told_to_whoever_asks_for_it(monkeypatch):
-    monkeypatch.setitem(sys.modules, "simulators.devices.topcon", None)
+    monkeypatch.setitem(sys.modules, "canopen_twins.devices.topcon", None)
     prepare([{"topcon", "canopen_bench"}])

@@ -3,8 +3,8 @@ import sys
 
 import pytest
 
-from simulators.pytest_plugin.scenarios import judge
-from simulators.replay import Kind, Outcome, Verdict
+from canopen_twins.pytest_plugin import judge
+from canopen_twins.scenario import Kind, Outcome, Verdict
 
 from .steps import BROKEN, FAILING, PASSING
 
@@ -123,7 +123,7 @@ def test_nothing_of_can_is_imported_without_a_file(pytester):
         import sys
 
         def test_nothing():
-            assert {"can", "canopen", "yaml", "simulators.bench"}.isdisjoint(sys.modules)
+            assert {"can", "canopen", "yaml", "canopen_twins.bench.bench"}.isdisjoint(sys.modules)
         """
     )
     done = subprocess.run([sys.executable, "-m", "pytest", "-q"], check=False)

@@ -3,7 +3,7 @@ from .steps import BROKEN, FAILING, PASSING
 SUITE = """
     import canopen
     import pytest
-    from simulators.dictionary import dictionary
+    from canopen_twins.slave.dictionary import dictionary
 
     canopen.Network.NOTIFIER_CYCLE = 0.01
 

@@ -6,7 +6,7 @@ from threading import Event, Thread
 import can
 import pytest
 
-from simulators.cli import main
+from canopen_twins.cli import main
 
 from .master import PATIENCE, Master
 

@@ -1,6 +1,6 @@
 import can
 
-from simulators.frame import Frame
+from canopen_twins.bus.frame import Frame
 
 PATIENCE = 5.0
 

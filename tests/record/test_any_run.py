@@ -3,12 +3,12 @@ from itertools import count
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from simulators import devices
-from simulators.clock import MICROSECONDS
-from simulators.frame import Frame
-from simulators.mischief import connect
-from simulators.record import Recorded, Side, about, differences, record, reproduce
-from simulators.segment import Segment
+from canopen_twins import devices
+from canopen_twins.bus.clock import MICROSECONDS
+from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.segment import Segment
+from canopen_twins.faults import connect
+from canopen_twins.record import Recorded, Side, about, differences, record, reproduce
 
 FRAMES = [
     "000#0105",

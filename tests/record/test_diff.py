@@ -2,7 +2,7 @@ import gzip
 
 import pytest
 
-from simulators.record.compare import AHEAD, compare
+from canopen_twins.record.differences import AHEAD, compare
 
 from .conftest import STORY, edit
 

@@ -1,6 +1,6 @@
 import pytest
 
-from simulators.resources import scenarios
+from canopen_twins.files.shipped import scenarios
 
 
 @pytest.mark.parametrize("name", scenarios())

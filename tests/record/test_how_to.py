@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from simulators.cli import main
+from canopen_twins.cli import main
 
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "record-a-run.md"
 BLOCK = re.compile(r"^```(\w+)(?: file=(\S+))?\n(.*?)^```$", re.MULTILINE | re.DOTALL)

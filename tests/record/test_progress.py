@@ -3,9 +3,9 @@ from io import StringIO
 
 import pytest
 
-from simulators import replay
-from simulators.cli import main
-from simulators.commands.progress import Line
+from canopen_twins import scenario as replay
+from canopen_twins.cli import main
+from canopen_twins.cli.commands.progress import Line
 
 LONG = """\
 version: 1
@@ -60,7 +60,7 @@ def test_a_short_run_writes_nothing(line, story):
     [(StringIO, Terminal, True), (Terminal, Terminal, False), (StringIO, StringIO, False)],
 )
 def test_only_a_terminal_that_shows_nothing_else_has_the_line(monkeypatch, story, out, err, shown):
-    monkeypatch.setattr("simulators.commands.progress.PERIOD", 0.0)
+    monkeypatch.setattr("canopen_twins.cli.commands.progress.PERIOD", 0.0)
     monkeypatch.setattr(sys, "stdout", out())
     monkeypatch.setattr(sys, "stderr", err())
     monkeypatch.setattr(sys.stdout, "fileno", lambda: 1, raising=False)

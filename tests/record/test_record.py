@@ -3,9 +3,9 @@ import json
 
 import pytest
 
-from simulators import replay
-from simulators.record import about, record
-from simulators.resources import scenario_file
+from canopen_twins import scenario as replay
+from canopen_twins.files.shipped import scenario_file
+from canopen_twins.record import about, record
 
 from .conftest import STORY
 

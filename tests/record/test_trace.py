@@ -5,13 +5,13 @@ import can
 import pytest
 from probe import Probe
 
-from simulators.clock import microseconds
-from simulators.errors import UserError
-from simulators.frame import Frame
-from simulators.mischief import connect
-from simulators.record import trace_file
-from simulators.replay import print_frames
-from simulators.segment import Segment
+from canopen_twins.bus.clock import microseconds
+from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.segment import Segment
+from canopen_twins.errors import UserError
+from canopen_twins.faults import connect
+from canopen_twins.record import trace_file
+from canopen_twins.scenario import print_frames
 
 SUFFIXES = [".log", ".asc", ".blf", ".trc"]
 STORY = ["705#R", "605#4018100100000000", "18FEF105#0102030405060708", "000#0105", "7FF#"]

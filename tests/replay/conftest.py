@@ -5,8 +5,8 @@ from textwrap import dedent
 import pytest
 from probe import Probe
 
-from simulators import devices
-from simulators.replay import Scenario, ScenarioError, load, play
+from canopen_twins import devices
+from canopen_twins.scenario import Scenario, ScenarioError, load, play
 
 HEAD = "version: 1\nnode: {device: probe, node_id: 5}\nsteps:\n"
 

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from probe import Probe
 
-from simulators import devices
-from simulators.replay import Kind, load, play
+from canopen_twins import devices
+from canopen_twins.scenario import Kind, load, play
 
 NODES = {"left": {"device": "probe", "node_id": 5}, "right": {"device": "probe", "node_id": 6}}
 nodes = st.sampled_from(sorted(NODES))

@@ -4,9 +4,9 @@ from io import StringIO
 
 import pytest
 
-from simulators.objects import Abort
-from simulators.replay import play
-from simulators.replay.sdo import Answer, download, upload
+from canopen_twins.scenario import play
+from canopen_twins.scenario.sdo import Answer, download, upload
+from canopen_twins.slave.object import Abort
 
 TEXT = "a text in several segments"
 

@@ -3,9 +3,9 @@
 import pytest
 from probe import Probe
 
-from simulators.mischief import connect
-from simulators.replay import Kind, Player, play
-from simulators.segment import Segment
+from canopen_twins.bus.segment import Segment
+from canopen_twins.faults import connect
+from canopen_twins.scenario import Kind, Player, play
 
 CLEANUP = """\
 cleanup:

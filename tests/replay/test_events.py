@@ -2,9 +2,9 @@
 
 from probe import Probe
 
-from simulators.mischief import connect
-from simulators.replay import Event, Player
-from simulators.segment import Segment
+from canopen_twins.bus.segment import Segment
+from canopen_twins.faults import connect
+from canopen_twins.scenario import Event, Player
 
 STORY = """\
 - {at: 1, nmt: start}

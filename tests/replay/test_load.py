@@ -1,7 +1,7 @@
 import pytest
 from probe import Probe
 
-from simulators.replay.scenario import At
+from canopen_twins.scenario.scenario import At
 
 
 def test_a_file_says_who_takes_part_and_what_happens_when(loaded):

@@ -3,7 +3,7 @@ from textwrap import dedent
 import pytest
 from probe import Probe
 
-from simulators.replay import ScenarioError, load_bench
+from canopen_twins.scenario import ScenarioError, load_bench
 
 from .conftest import find
 

@@ -1,7 +1,7 @@
 import pytest
 
-from simulators.replay.file.scenario import MOST_NODES, MOST_STEPS
-from simulators.replay.scenario import After, At
+from canopen_twins.scenario.scenario import After, At
+from canopen_twins.scenario.schema import MOST_NODES, MOST_STEPS
 
 
 def test_a_file_has_everything_that_is_about_the_whole_run(loaded):

@@ -1,10 +1,9 @@
 import pytest
 
-from simulators.replay.access import Read, Write
-from simulators.replay.actions import Inject, Send
-from simulators.replay.expect import Expectation
-from simulators.replay.scenario import After, At, Condition
-from simulators.replay.signs import (
+from canopen_twins.scenario.access import Read, Write
+from canopen_twins.scenario.actions import Inject, Send
+from canopen_twins.scenario.expect import Expectation
+from canopen_twins.scenario.matchers import (
     AnyFrame,
     Anything,
     Commanded,
@@ -17,7 +16,8 @@ from simulators.replay.signs import (
     Text,
     Written,
 )
-from simulators.services import State
+from canopen_twins.scenario.scenario import After, At, Condition
+from canopen_twins.slave.service import State
 
 TWO = """\
 version: 1

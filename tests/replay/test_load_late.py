@@ -23,11 +23,11 @@ def imported(*command):
 
 @pytest.mark.parametrize("command", ["list", "faults topcon", "settings gateway", "run --help"])
 def test_commands_that_read_no_scenario_do_without(command):
-    assert not imported("-m", "simulators", *command.split())
+    assert not imported("-m", "canopen_twins", *command.split())
 
 
 def test_a_run_without_a_scenario_does_without():
-    command = [*PYTHON, "-m", "simulators", "run", "topcon", "-i", "virtual"]
+    command = [*PYTHON, "-m", "canopen_twins", "run", "topcon", "-i", "virtual"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as run:
         run.stdout.readline()
         run.send_signal(signal.SIGTERM)
@@ -43,5 +43,5 @@ def test_the_fixtures_do_without(tmp_path):
 
 def test_who_reads_a_scenario_or_asks_for_its_schema_does_not(tmp_path):
     (tmp_path / "story.yaml").write_text(HEAD.replace("probe", "topcon") + "- {at: 0, nmt: start}")
-    assert imported("-m", "simulators", "check", tmp_path / "story.yaml")
-    assert imported("-m", "simulators", "schema")
+    assert imported("-m", "canopen_twins", "check", tmp_path / "story.yaml")
+    assert imported("-m", "canopen_twins", "schema")

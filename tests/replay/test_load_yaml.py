@@ -7,8 +7,8 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from simulators.documents.yaml_nodes import LARGEST_FILE, Nodes
-from simulators.replay import ScenarioError, load
+from canopen_twins.files.yaml_nodes import LARGEST_FILE, Nodes
+from canopen_twins.scenario import ScenarioError, load
 
 from .conftest import HEAD
 

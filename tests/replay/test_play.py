@@ -1,6 +1,6 @@
 from io import StringIO
 
-from simulators.replay import play
+from canopen_twins.scenario import play
 
 STORY = """\
 - {at: 0.5, write: {Producer heartbeat: 100}}

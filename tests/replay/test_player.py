@@ -1,11 +1,11 @@
 import pytest
 from probe import Probe
 
-from simulators import Bench, UserError, devices
-from simulators.frame import Frame
-from simulators.mischief import connect
-from simulators.replay import Kind, Player
-from simulators.segment import Segment
+from canopen_twins import Bench, UserError, devices
+from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.segment import Segment
+from canopen_twins.faults import connect
+from canopen_twins.scenario import Kind, Player
 
 STORY = """\
 - {at: 0, expect: {frame: 705#00, within: 0}}

@@ -1,6 +1,6 @@
 """What is shown of the moment at which something was not as it should be."""
 
-from simulators.replay import play
+from canopen_twins.scenario import play
 
 BEATS = "- {at: 0, write: {Producer heartbeat: 100}}\n"
 

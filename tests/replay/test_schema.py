@@ -6,9 +6,9 @@ import pytest
 import yaml
 from jsonschema import Draft202012Validator
 
-from simulators.cli import main
-from simulators.documents.yaml_nodes import compose, scalar
-from simulators.replay import ScenarioError
+from canopen_twins.cli import main
+from canopen_twins.files.yaml_nodes import compose, scalar
+from canopen_twins.scenario import ScenarioError
 
 ROOT = Path(__file__).parents[2]
 SHIPPED = sorted(ROOT.glob("scenarios/*.yaml"))

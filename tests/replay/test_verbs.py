@@ -1,6 +1,6 @@
 import pytest
 
-from simulators.replay import play
+from canopen_twins.scenario import play
 
 
 def test_objects_are_written_one_after_the_other_by_sdo(played):

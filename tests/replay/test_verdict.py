@@ -1,5 +1,5 @@
-from simulators.replay import Kind, Outcome, Verdict, play
-from simulators.report import SHOWN
+from canopen_twins.diagnosis.report import SHOWN
+from canopen_twins.scenario import Kind, Outcome, Verdict, play
 
 
 def test_kinds_are_kept_apart_and_the_worst_one_counts(story):

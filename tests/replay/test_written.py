@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from probe import Probe
 
-from simulators import Bench
-from simulators.replay import Player
-from simulators.replay.player.downloads import Downloaded, Downloads
+from canopen_twins import Bench
+from canopen_twins.scenario import Player
+from canopen_twins.scenario.player.downloads import Downloaded, Downloads
 
 
 @pytest.mark.parametrize(

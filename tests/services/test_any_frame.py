@@ -7,9 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from probe import FAULTY, Probe, configure
 
-from simulators import Bench
-from simulators.frame import Frame
-from simulators.services import State
+from canopen_twins import Bench
+from canopen_twins.bus.frame import Frame
+from canopen_twins.slave.service import State
 
 COMMANDS = {
     State.PRE_OPERATIONAL: "000#8005",

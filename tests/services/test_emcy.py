@@ -1,8 +1,8 @@
 import pytest
 from probe import Probe, configure
 
-from simulators import Bench
-from simulators.services.emcy import NO_ERROR, Emcy, read_emcy_table
+from canopen_twins import Bench
+from canopen_twins.slave.emcy import NO_ERROR, Emcy, read_emcy_table
 
 FIELD = "6669656C64"  # what the probe puts into the manufacturer-specific field
 OVER_CURRENT = "085#102303" + FIELD  # with register 03h

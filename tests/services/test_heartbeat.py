@@ -1,7 +1,7 @@
 import pytest
 from probe import Probe, configure
 
-from simulators import Bench
+from canopen_twins import Bench
 
 EVERY_100_MS = "605#2B17100064000000"
 

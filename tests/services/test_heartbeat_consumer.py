@@ -1,7 +1,7 @@
 import pytest
 from probe import Probe, configure
 
-from simulators import Bench
+from canopen_twins import Bench
 
 WATCH_7 = "605#23161001E8030700"  # node 7 every 1000 ms
 WATCH_9 = "605#23161002F4010900"  # node 9 every 500 ms

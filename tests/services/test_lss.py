@@ -3,10 +3,10 @@ from canopen.lss import LssError
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from simulators.bench import Bench
-from simulators.device import Device
-from simulators.frame import Frame
-from simulators.services.lss import LssSlave, Stored
+from canopen_twins.bench.bench import Bench
+from canopen_twins.bus.frame import Frame
+from canopen_twins.device.device import Device
+from canopen_twins.slave.lss import LssSlave, Stored
 
 SELECT = [
     "7E5#40C4010000000000",

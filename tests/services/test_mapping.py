@@ -1,7 +1,7 @@
 import pytest
 from probe import configure
 
-from simulators.objects import Abort
+from canopen_twins.slave.object import Abort
 
 WORD, DOUBLE, EIGHT, BYTE = 0x20010010, 0x20020020, 0x200A0040, 0x20000008
 THIRD = 0x200D0308

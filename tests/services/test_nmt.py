@@ -1,6 +1,6 @@
 import pytest
 
-from simulators.services import State
+from canopen_twins.slave.service import State
 
 READ = "605#4000100000000000"
 START, STOP, PRE_OPERATIONAL = "000#0105", "000#0205", "000#8005"

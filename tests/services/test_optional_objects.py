@@ -3,7 +3,7 @@
 import pytest
 from probe import Probe
 
-from simulators import Bench
+from canopen_twins import Bench
 
 MISSING = (0x1003, 0x1005, 0x1008, 0x1010, 0x1011, 0x1014, 0x1016, 0x1017, 0x1200)
 

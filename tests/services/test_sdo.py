@@ -1,6 +1,6 @@
 import pytest
 
-from simulators.objects import Abort
+from canopen_twins.slave.object import Abort
 
 
 def abort(multiplexer, code):

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from probe import Probe
 
-from simulators import Bench
-from simulators.objects import Abort
+from canopen_twins import Bench
+from canopen_twins.slave.object import Abort
 
 BYTES, TEXT, DOMAIN, WORD = "042100", "052000", "062000", "012000"
 START, END_OF_UPLOAD = "A3" + "00" * 7, "A1" + "00" * 7

@@ -3,8 +3,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from probe import Probe
 
-from simulators import Bench
-from simulators.objects import Abort
+from canopen_twins import Bench
+from canopen_twins.slave.object import Abort
 
 READ_NAME = "605#4008100000000000"
 TEXT, DOMAIN = "052000", "062000"

@@ -4,8 +4,8 @@ import logging
 import pytest
 from probe import Probe, configure
 
-from simulators import Bench
-from simulators.memory import Memory
+from canopen_twins import Bench
+from canopen_twins.slave.memory import Memory
 
 SAVE, LOAD = "605#2310100173617665", "605#231110016C6F6164"
 HEARTBEAT, WORD, LIMITED, LEVEL, BYTE = (

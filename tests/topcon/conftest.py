@@ -4,10 +4,10 @@ from dataclasses import asdict, replace
 import pytest
 import yaml
 
-from simulators import Bench
-from simulators.devices.topcon.model import OutputStage, UnitType, parse_load
-from simulators.devices.topcon.unit_file import read_unit_types
-from simulators.resources import od_file
+from canopen_twins import Bench
+from canopen_twins.devices.topcon.model import OutputStage, UnitType, parse_load
+from canopen_twins.devices.topcon.units import read_unit_types
+from canopen_twins.files.shipped import od_file
 
 
 @pytest.fixture

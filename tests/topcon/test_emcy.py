@@ -1,6 +1,6 @@
 import pytest
 
-from simulators import Bench
+from canopen_twins import Bench
 
 from .bus import ENTER_PREOP, RESET_COMMUNICATION, RESET_NODE, START, STOP, run, state_of_output
 

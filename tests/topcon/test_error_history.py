@@ -2,7 +2,7 @@ import csv
 
 import pytest
 
-from simulators.resources import od_file
+from canopen_twins.files.shipped import od_file
 
 from .bus import RESET_COMMUNICATION, RESET_NODE, state_of_output
 

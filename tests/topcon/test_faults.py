@@ -2,8 +2,8 @@ import csv
 
 import pytest
 
-from simulators import UserError
-from simulators.resources import od_file
+from canopen_twins import UserError
+from canopen_twins.files.shipped import od_file
 
 from .bus import emcy, reset, state_of_output
 

@@ -2,8 +2,7 @@ from math import inf, log
 
 import pytest
 
-from simulators.devices.topcon.model.heat import HeatSink
-from simulators.devices.topcon.model.i2t import I2tStore
+from canopen_twins.devices.topcon.model.plant import HeatSink, I2tStore
 
 FULL = (4000, 4000, 4000, 0)
 

@@ -1,6 +1,6 @@
 import pytest
 
-from simulators.devices.topcon.model import (
+from canopen_twins.devices.topcon.model import (
     Battery,
     CurrentSink,
     Inductor,

@@ -1,6 +1,6 @@
 import pytest
 
-from simulators.devices.topcon.model import Battery, Inductor, Resistor, Short, State
+from canopen_twins.devices.topcon.model import Battery, Inductor, Resistor, Short, State
 
 CV = (2000, 4000, 4000, 0)
 

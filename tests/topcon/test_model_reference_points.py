@@ -3,7 +3,7 @@ from math import sqrt
 
 import pytest
 
-from simulators.devices.topcon.model import (
+from canopen_twins.devices.topcon.model import (
     Battery,
     CurrentSink,
     Mode,

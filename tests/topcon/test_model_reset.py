@@ -1,6 +1,6 @@
 import pytest
 
-from simulators.devices.topcon.model import State
+from canopen_twins.devices.topcon.model import State
 
 CV = (2000, 4000, 4000, 0)
 

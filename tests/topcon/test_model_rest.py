@@ -2,7 +2,7 @@ from math import inf
 
 import pytest
 
-from simulators.devices.topcon.model import OutputStage, Short, State
+from canopen_twins.devices.topcon.model import OutputStage, Short, State
 
 FULL = (4000, 4000, 4000, 0)
 CV = (2000, 4000, 4000, 0)

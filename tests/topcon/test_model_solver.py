@@ -3,7 +3,7 @@ from math import inf
 
 import pytest
 
-from simulators.devices.topcon.model import (
+from canopen_twins.devices.topcon.model import (
     Battery,
     CurrentSink,
     Inductor,
@@ -12,7 +12,7 @@ from simulators.devices.topcon.model import (
     Resistor,
     Short,
 )
-from simulators.devices.topcon.model.solver import Law, solve
+from canopen_twins.devices.topcon.model.circuit import Law, solve
 
 BLEEDER = 1 / 2000
 LOADS = [

@@ -2,8 +2,8 @@ from itertools import product
 
 import pytest
 
-from simulators.devices.topcon.model import Mode, State
-from simulators.devices.topcon.model.modes import TRANSITIONS, Event
+from canopen_twins.devices.topcon.model import Mode, State
+from canopen_twins.devices.topcon.model.modes import TRANSITIONS, Event
 
 CV = (2000, 4000, 4000, 0)
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from simulators.devices.topcon.model import Mode, OutputStage, Short, State
+from canopen_twins.devices.topcon.model import Mode, OutputStage, Short, State
 
 FULL = (4000, 4000, 4000, 0)
 

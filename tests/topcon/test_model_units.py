@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import pytest
 
-from simulators.devices.topcon.model import OutputStage
+from canopen_twins.devices.topcon.model import OutputStage
 
 A = "TCP-32-400"
 

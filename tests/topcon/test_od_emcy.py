@@ -5,7 +5,7 @@ import canopen
 import pytest
 from canopen.objectdictionary.datatypes import INTEGER16, UNSIGNED16, UNSIGNED32
 
-from simulators.resources import od_file
+from canopen_twins.files.shipped import od_file
 
 NODE_ID = 29
 PLAIN = {0x1000, 0x1001, 0x1005, 0x1008, 0x1009, 0x100A, 0x1014, 0x1017}

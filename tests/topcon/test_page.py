@@ -3,9 +3,9 @@ from pathlib import Path
 
 import pytest
 
-from simulators.devices.topcon.model import parse_load
-from simulators.devices.topcon.model.load_text import LOADS
-from simulators.devices.topcon.model.modes import TRANSITIONS
+from canopen_twins.devices.topcon.model import parse_load
+from canopen_twins.devices.topcon.model.loads import LOADS
+from canopen_twins.devices.topcon.model.modes import TRANSITIONS
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "devices" / "topcon.md").read_text("utf-8")
@@ -56,7 +56,10 @@ def test_every_assumption_is_told_once_and_says_how_to_change_it_or_why_not():
 
 def test_every_assumption_the_code_names_is_told():
     told = set(re.findall(r"^\| (A-\d+) \|", PAGE, re.MULTILINE))
-    files = [*ROOT.glob("simulators/devices/topcon/**/*.py"), *ROOT.glob("od/topcon*")]
+    files = [
+        *ROOT.glob("simulators/canopen_twins/devices/topcon/**/*.py"),
+        *ROOT.glob("od/topcon*"),
+    ]
     named = {number for file in files for number in re.findall(r"A-\d\d", file.read_text("utf-8"))}
     assert named <= told
     tests = (file.read_text("utf-8") for file in ROOT.glob("tests/topcon/*.py"))

@@ -2,7 +2,7 @@ import logging
 
 import pytest
 
-from simulators import Bench
+from canopen_twins import Bench
 
 from .bus import (
     ENTER_PREOP,

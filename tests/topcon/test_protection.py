@@ -1,6 +1,6 @@
 import pytest
 
-from simulators import Bench
+from canopen_twins import Bench
 
 from .bus import run, state_of_output
 

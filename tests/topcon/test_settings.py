@@ -1,6 +1,6 @@
 import pytest
 
-from simulators import Bench
+from canopen_twins import Bench
 
 from .bus import ENTER_PREOP, RESET_COMMUNICATION, START, STOP, refused, run, state_of_output
 

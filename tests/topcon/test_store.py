@@ -1,6 +1,6 @@
 import pytest
 
-from simulators import Bench
+from canopen_twins import Bench
 
 from .bus import RESET_COMMUNICATION, RESET_NODE, aborted, read, run, state_of_output
 

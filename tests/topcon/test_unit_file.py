@@ -2,8 +2,8 @@ from dataclasses import fields
 
 import pytest
 
-from simulators.devices.topcon.unit_file import read_unit_types
-from simulators.errors import UserError
+from canopen_twins.devices.topcon.units import read_unit_types
+from canopen_twins.errors import UserError
 
 A = "TCP-32-400"
 

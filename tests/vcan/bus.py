@@ -72,7 +72,7 @@ class Twin(Process):
     """`canopen-twin run` on vcan0, which has to end well and without a word."""
 
     def __init__(self, device, node_id, *options):
-        command = [sys.executable, "-m", "simulators", "run", device, "-n", str(node_id)]
+        command = [sys.executable, "-m", "canopen_twins", "run", device, "-n", str(node_id)]
         super().__init__(*command, "-i", "socketcan", "-c", CHANNEL, *options)
         ready = Lines(self.process.stdout).next()
         assert ready, self.process.communicate(timeout=PATIENCE)[1].decode()

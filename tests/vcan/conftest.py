@@ -2,7 +2,7 @@ from contextlib import ExitStack
 
 import pytest
 
-from simulators import vcan
+from canopen_twins.bus import vcan
 from tests.vcan.bus import Candump, Twin, master
 
 

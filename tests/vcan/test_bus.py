@@ -56,7 +56,7 @@ def test_a_twin_on_a_bus_that_is_not_there_is_told_in_one_line():
     command = [
         sys.executable,
         "-m",
-        "simulators",
+        "canopen_twins",
         "run",
         "topcon",
         "-i",

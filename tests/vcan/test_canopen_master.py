@@ -3,7 +3,7 @@ from queue import SimpleQueue
 import pytest
 from canopen.nmt import NMT_COMMANDS
 
-from simulators.resources import od_file
+from canopen_twins.files.shipped import od_file
 
 pytestmark = pytest.mark.vcan
 

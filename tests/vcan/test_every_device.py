@@ -1,6 +1,6 @@
 import pytest
 
-from simulators import devices
+from canopen_twins import devices
 from tests.vcan.bus import cansend
 
 pytestmark = [pytest.mark.vcan, pytest.mark.parametrize("device", devices.names())]

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from simulators.dictionary import dictionary
-from simulators.resources import od_file
+from canopen_twins.files.shipped import od_file
+from canopen_twins.slave.dictionary import dictionary
 from tests.vcan.bus import CHANNEL, PATIENCE
 
 SCRIPT = Path(__file__).with_name("node_canopen.js")

@@ -1,6 +1,6 @@
 import pytest
 
-from simulators.replay import Kind, Outcome, Verdict
+from canopen_twins.scenario import Kind, Outcome, Verdict
 
 SCENE = "    0.000000  topcon      705#00   boot-up\ntopcon: node 5, PRE-OPERATIONAL"
 

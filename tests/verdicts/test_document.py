@@ -1,7 +1,7 @@
 import json
 
-from simulators.replay import Verdict
-from simulators.verdicts.document import document
+from canopen_twins.scenario import Verdict
+from canopen_twins.scenario.junit import document
 
 
 def test_it_has_everything_a_verdict_has(verdict):

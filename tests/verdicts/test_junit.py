@@ -3,8 +3,8 @@ from xml.etree import ElementTree
 
 import pytest
 
-from simulators.replay import Kind, Outcome, Verdict
-from simulators.verdicts.junit import junit
+from canopen_twins.scenario import Kind, Outcome, Verdict
+from canopen_twins.scenario.junit import junit
 
 COUNTS = {"tests", "failures", "errors", "time", "name"}
 ATTRIBUTES = {  # those that every description of the format has in common

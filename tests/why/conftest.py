@@ -2,8 +2,8 @@ from collections.abc import Callable
 
 import pytest
 
-from simulators import Bench
-from simulators.why import why
+from canopen_twins import Bench
+from canopen_twins.diagnosis.why import why
 
 
 @pytest.fixture

@@ -2,9 +2,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from simulators import Bench, devices
-from simulators.frame import Frame
-from simulators.why import TOLD, why
+from canopen_twins import Bench, devices
+from canopen_twins.bus.frame import Frame
+from canopen_twins.diagnosis.why import TOLD, why
 
 NODE_ID = 5
 IDS = [0x000, 0x080, *(base + NODE_ID for base in range(0x080, 0x780, 0x080)), 0x7E5]

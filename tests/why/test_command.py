@@ -1,7 +1,7 @@
 import pytest
 
-from simulators import devices
-from simulators.cli import main
+from canopen_twins import devices
+from canopen_twins.cli import main
 
 RELEASE = "0x2002:02 bit 3 does not let CANopen release (A-46)"
 

@@ -1,10 +1,10 @@
 import pytest
 
-from simulators import Bench
-from simulators.diary import KEPT
-from simulators.frame import Frame
-from simulators.segment import Record
-from simulators.why import TOLD, why
+from canopen_twins import Bench
+from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.segment import Record
+from canopen_twins.bus.wire import KEPT
+from canopen_twins.diagnosis.why import TOLD, why
 
 STOPPED = "not answered: the node was stopped, without SDO (manual 3.1, Tab. 7)"
 READ, RUN = "605#4000100000000000", "605#2B14200001000000"

@@ -5,10 +5,10 @@ from textwrap import dedent
 
 import pytest
 
-from simulators import devices
-from simulators.mischief import connect
-from simulators.replay import Player, load, play
-from simulators.segment import Segment
+from canopen_twins import devices
+from canopen_twins.bus.segment import Segment
+from canopen_twins.faults import connect
+from canopen_twins.scenario import Player, load, play
 
 STORY = """\
 version: 1

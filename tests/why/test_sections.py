@@ -6,12 +6,13 @@ import pytest
 from canopen import import_od
 from canopen.objectdictionary import ODVariable
 
-from simulators import Bench, devices
-from simulators.devices.charger.messages import catalogue
-from simulators.devices.gateway.emergencies import LABELS
-from simulators.devices.topcon.messages import TABLE
-from simulators.resources import od_file
-from simulators.why import Sections, sections
+from canopen_twins import Bench, devices
+from canopen_twins.devices.charger.messages import catalogue
+from canopen_twins.devices.gateway.messages import LABELS
+from canopen_twins.devices.topcon.messages import TABLE
+from canopen_twins.diagnosis.sections import sections
+from canopen_twins.diagnosis.why import Sections
+from canopen_twins.files.shipped import od_file
 
 OD = Path(__file__).parents[2] / "od"
 EDS_FILES = sorted(path.name for path in OD.glob("*.eds"))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from simulators.why import why
+from canopen_twins.diagnosis.why import why
 
 VOLTAGE, RUN = (0x2020, 0), (0x2014, 0)
 RUN_BY_SDO = "605#2B14200001000000"

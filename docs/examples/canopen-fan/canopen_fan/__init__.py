@@ -6,12 +6,12 @@ from math import inf
 from pathlib import Path
 
 from canopen_fan.motor import Motor
-from simulators.chart import Band, Chart, Curve, Mood
-from simulators.device import Device, NodeSettings
-from simulators.faults import Fault
-from simulators.objects import Address, Object
-from simulators.services.emcy import Emcy
-from simulators.settings import setting
+from canopen_twins.device.chart import Band, Chart, Curve, Mood
+from canopen_twins.device.device import Device, NodeSettings
+from canopen_twins.device.faults import Fault
+from canopen_twins.device.settings import setting
+from canopen_twins.slave.emcy import Emcy
+from canopen_twins.slave.object import Address, Object
 
 BLOCKED = Emcy(0x7121, 0x81, label="motor blocked")
 FREE, STUCK = Band("free", Mood.ACTIVE), Band("stuck", Mood.ERROR)

@@ -1,0 +1,50 @@
+"""Simulated time for unmodified masters: their time-outs, sleeps and threads run on a bench."""
+
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from types import ModuleType
+
+from canopen_twins.bench.bench import Bench
+from canopen_twins.bench.simulated_time.bus import Buses
+from canopen_twins.bench.simulated_time.scheduler import SimulatedTimeError, begin, cease
+from canopen_twins.bench.simulated_time.substitution import (
+    StandIns,
+    Substitution,
+    modules_named,
+    modules_of_canopen,
+)
+
+__all__ = ["SimulatedTimeError", "simulated_time"]
+
+PATIENCE = 10.0  # seconds of real time between two waits of one thread
+
+
+@contextmanager
+def simulated_time(
+    bench: Bench, *modules: ModuleType | str, patience: float = PATIENCE
+) -> Iterator[None]:
+    """Whatever canopen, python-can and the named modules wait for, they wait on a bench's clock.
+
+    Inside, `canopen.Network().connect(...)` and `can.Bus(...)` land on the bus of the bench,
+    whatever interface they ask for. The named modules (a package brings what has been imported of
+    it) find stand-ins for what they use of `time`, `threading` and `queue`. Their threads end with
+    the block, at the latest. `patience` is the real time in seconds that a thread may take from one
+    of its waits to the next.
+
+    Raises:
+        SimulatedTimeError: something cannot work in simulated time, here or in a thread.
+        ImportError: there is no module of a name that is given.
+    """
+    found = modules_named(modules)
+    with ExitStack() as undo:
+        baton = begin(bench.segment, patience)
+        undo.callback(cease)
+        buses = Buses(baton)
+        substitution = Substitution(StandIns(baton, buses.open))
+        undo.callback(substitution.undo)
+        substitution.apply([*modules_of_canopen(), *found])
+        undo.callback(buses.close)
+        undo.callback(baton.end)
+        yield
+    if baton.failure is not None:
+        raise baton.failure

@@ -1,0 +1,359 @@
+"""What a thread waits with: `threading`, `queue` and the clocks of `time`, in simulated time."""
+
+import queue
+import threading
+import time
+from collections.abc import Callable
+from functools import partial
+from threading import get_ident
+from types import TracebackType
+from typing import Any, NamedTuple, TypeVar
+
+from canopen_twins.bench.simulated_time.scheduler import TICK, Baton, Task, baton, changed, wait
+
+
+class Held(NamedTuple):
+    """How a lock is held."""
+
+    owner: int
+    depth: int
+
+
+NOBODY = Held(0, 0)
+
+
+class Lock:
+    """As `threading.Lock`."""
+
+    def __init__(self) -> None:
+        self._held = NOBODY
+
+    def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
+        """See `threading.Lock`."""
+        if self.locked() and not self._mine():
+            longest = None if timeout < 0 else timeout
+            if not (blocking and wait(self._free, longest)):
+                return False
+        self._held = Held(get_ident(), self._held.depth + 1)
+        return True
+
+    def release(self) -> None:
+        """See `threading.Lock`."""
+        if not self.locked():
+            raise RuntimeError("release unlocked lock")
+        self._held = self._held._replace(depth=self._held.depth - 1)
+        changed()
+
+    def locked(self) -> bool:
+        """See `threading.Lock`."""
+        return self._held.depth > 0
+
+    def give_up(self) -> Held:
+        """Release it as often as it was acquired; what `take_back` wants."""
+        held, self._held = self._held, NOBODY
+        changed()
+        return held
+
+    def take_back(self, held: Held) -> None:
+        """Hold it as before, even if the wait for it is cut short: its owner will release it."""
+        try:
+            if self.locked():
+                wait(self._free)
+        finally:
+            self._held = held
+
+    def __enter__(self) -> bool:
+        return self.acquire()
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        value: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.release()
+
+    def _free(self) -> bool:
+        return not self.locked()
+
+    def _mine(self) -> bool:
+        return False
+
+
+class RLock(Lock):
+    """As `threading.RLock`."""
+
+    def release(self) -> None:
+        """See `threading.RLock`."""
+        if not self._mine():
+            raise RuntimeError("cannot release un-acquired lock")
+        super().release()
+
+    def _mine(self) -> bool:
+        return self.locked() and self._held.owner == get_ident()
+
+
+T = TypeVar("T")
+
+
+class Condition:
+    """As `threading.Condition`."""
+
+    def __init__(self, lock: Lock | None = None) -> None:
+        self._lock = RLock() if lock is None else lock
+        self._waiting: list[object] = []  # in the order in which they came
+        self.acquire = self._lock.acquire
+        self.release = self._lock.release
+
+    def wait(self, timeout: float | None = None) -> bool:
+        """See `threading.Condition`."""
+        self._must_be_held()
+        ticket = object()
+        self._waiting.append(ticket)
+        held = self._lock.give_up()
+        try:
+            return wait(lambda: ticket not in self._waiting, timeout)
+        finally:
+            if ticket in self._waiting:
+                self._waiting.remove(ticket)
+            self._lock.take_back(held)
+
+    def wait_for(self, predicate: Callable[[], T], timeout: float | None = None) -> T:
+        """See `threading.Condition`."""
+        clock = baton().clock
+        end = None if timeout is None else clock.now + timeout
+        while not (result := predicate()) and (end is None or clock.now < end):
+            self.wait(None if end is None else end - clock.now)
+        return result
+
+    def notify(self, n: int = 1) -> None:
+        """See `threading.Condition`."""
+        self._must_be_held()
+        del self._waiting[:n]
+        changed()
+
+    def notify_all(self) -> None:
+        """See `threading.Condition`."""
+        self.notify(len(self._waiting))
+
+    def __enter__(self) -> bool:
+        return self._lock.__enter__()
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        value: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._lock.release()
+
+    def _must_be_held(self) -> None:
+        if not self._lock.locked():
+            raise RuntimeError("the lock of a condition must be held")
+
+
+class Event:
+    """As `threading.Event`."""
+
+    def __init__(self) -> None:
+        self._flag = False
+
+    def is_set(self) -> bool:
+        """See `threading.Event`."""
+        return self._flag
+
+    def set(self) -> None:
+        """See `threading.Event`."""
+        self._flag = True
+        changed()
+
+    def clear(self) -> None:
+        """See `threading.Event`."""
+        self._flag = False
+
+    def wait(self, timeout: float | None = None) -> bool:
+        """See `threading.Event`."""
+        return self._flag or wait(self.is_set, timeout)
+
+
+class Semaphore:
+    """As `threading.Semaphore`."""
+
+    def __init__(self, value: int = 1) -> None:
+        self._value = value
+
+    def acquire(self, blocking: bool = True, timeout: float | None = None) -> bool:
+        """See `threading.Semaphore`."""
+        if not self._value and not (blocking and wait(lambda: self._value, timeout)):
+            return False
+        self._value -= 1
+        return True
+
+    def release(self, n: int = 1) -> None:
+        """See `threading.Semaphore`."""
+        self._value += n
+        changed()
+
+    def __enter__(self) -> bool:
+        return self.acquire()
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        value: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.release()
+
+
+class BoundedSemaphore(Semaphore):
+    """As `threading.BoundedSemaphore`."""
+
+    def __init__(self, value: int = 1) -> None:
+        super().__init__(value)
+        self._bound = value
+
+    def release(self, n: int = 1) -> None:
+        """See `threading.BoundedSemaphore`."""
+        if self._value + n > self._bound:
+            raise ValueError("Semaphore released too many times")
+        super().release(n)
+
+
+class Queue(queue.Queue[Any]):
+    """As `queue.Queue`."""
+
+    def put(self, item: Any, block: bool = True, timeout: float | None = None) -> None:
+        """See `queue.Queue`."""
+        if block and self.full():
+            wait(lambda: not self.full(), timeout)
+        super().put(item, block=False)
+        changed()
+
+    def get(self, block: bool = True, timeout: float | None = None) -> Any:
+        """See `queue.Queue`."""
+        if block and self.empty():
+            wait(lambda: not self.empty(), timeout)
+        item = super().get(block=False)
+        changed()
+        return item
+
+    def task_done(self) -> None:
+        """See `queue.Queue`."""
+        super().task_done()
+        changed()
+
+    def join(self) -> None:
+        """See `queue.Queue`."""
+        if self.unfinished_tasks:
+            wait(lambda: not self.unfinished_tasks)
+
+
+class LifoQueue(Queue, queue.LifoQueue[Any]):
+    """As `queue.LifoQueue`."""
+
+
+class PriorityQueue(Queue, queue.PriorityQueue[Any]):
+    """As `queue.PriorityQueue`."""
+
+
+class SimpleQueue(Queue):
+    """As `queue.SimpleQueue`, which has no size."""
+
+    def __init__(self) -> None:
+        super().__init__()
+
+
+class Thread(threading.Thread):
+    """As `threading.Thread`; it ends with simulated time, if not before."""
+
+    _task: Task | None = None
+
+    def start(self) -> None:
+        """See `threading.Thread`."""
+        if self._task is not None:
+            raise RuntimeError("threads can only be started once")
+        holder = baton()
+        self.daemon = True  # one that cannot be ended does not keep the interpreter from ending
+        self._task = holder.enlist(self)
+        self.run = partial(holder.take_part, self._task, self.run)  # type: ignore[method-assign]
+        super().start()
+
+    def join(self, timeout: float | None = None) -> None:
+        """See `threading.Thread`."""
+        if self._task is None:
+            raise RuntimeError("cannot join thread before it is started")
+        if self is threading.current_thread():
+            raise RuntimeError("cannot join current thread")
+        if self.is_alive():
+            wait(lambda: not self.is_alive(), timeout)
+
+    def is_alive(self) -> bool:
+        """See `threading.Thread`."""
+        return self._task is not None and not self._task.done
+
+
+class Timer(Thread, threading.Timer):
+    """As `threading.Timer`."""
+
+    def __init__(self, *arguments: Any, **keywords: Any) -> None:
+        super().__init__(*arguments, **keywords)
+        self.finished = Event()  # type: ignore[assignment]
+
+
+EPOCH = 946_684_800  # `time.time()` when the bench was made, so that every run has the same dates
+NANOSECONDS = 1_000_000_000
+MOST_READINGS = 100_000  # of a clock that stands still: a loop that never waits
+
+
+class Wall:
+    """What stands in for the clocks on the wall."""
+
+    def __init__(self, baton: Baton) -> None:
+        self._baton = baton
+        self._tick = -1
+        self._readings = 0
+
+    def now(self) -> float:
+        """Seconds of the bench's clock.
+
+        Raises:
+            SimulatedTimeError: somebody asks again and again and never waits.
+        """
+        self._baton.holder()
+        tick = self._baton.clock.ticks
+        self._readings = self._readings + 1 if tick == self._tick else 1
+        self._tick = tick
+        if self._readings > MOST_READINGS:
+            raise self._baton.refusal(
+                "a loop asks for the time and never waits: simulated time passes only while the"
+                " master waits, as in time.sleep()"
+            )
+        return self._baton.clock.now
+
+    def sleep(self, seconds: float) -> None:
+        """See `time.sleep`."""
+        if seconds < 0:
+            raise ValueError("sleep length must be non-negative")
+        self._baton.wait(lambda: False, max(seconds, TICK))  # a loop around sleep(0) goes on
+
+    def date(self) -> float:
+        """See `time.time`."""
+        return EPOCH + self.now()
+
+    def functions(self) -> dict[str, Callable[..., object]]:
+        """The functions of `time` by their names."""
+        return {
+            "sleep": self.sleep,
+            "time": self.date,
+            "time_ns": lambda: round(self.date() * NANOSECONDS),
+            "monotonic": self.now,
+            "monotonic_ns": lambda: round(self.now() * NANOSECONDS),
+            "perf_counter": self.now,
+            "perf_counter_ns": lambda: round(self.now() * NANOSECONDS),
+            "localtime": lambda seconds=None: time.localtime(self._or_now(seconds)),
+            "gmtime": lambda seconds=None: time.gmtime(self._or_now(seconds)),
+        }
+
+    def _or_now(self, seconds: float | None) -> float:
+        return self.date() if seconds is None else seconds

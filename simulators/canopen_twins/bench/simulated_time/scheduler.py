@@ -1,0 +1,275 @@
+"""A thread of the master as simulated time sees it, and the two ways in which it ends early."""
+
+import asyncio
+import sys
+import threading
+import traceback
+from collections.abc import Callable
+from functools import partial
+
+from canopen_twins.bus.clock import MICROSECONDS, microseconds
+from canopen_twins.bus.segment import Segment
+from canopen_twins.device.node import Node
+
+Ready = Callable[[], object]
+"""Whether what somebody waits for has come; asked by whoever holds the baton."""
+
+MOST_STOPS = 100  # attempts to go on of a thread that has been told to end
+
+
+class SimulatedTimeError(RuntimeError):
+    """Something that cannot work in simulated time; the message says what, and what can."""
+
+
+class Stopped(BaseException):
+    """Ends a thread of the master with simulated time; no `except Exception` holds it up."""
+
+
+class Task:
+    """What a thread waits for, and the semaphore that says when it is its turn."""
+
+    def __init__(self, thread: threading.Thread) -> None:
+        self.thread = thread
+        self.turn = threading.Semaphore(0)
+        self.ready: Ready = lambda: True
+        self.done = False
+        self._stops = 0
+
+    def stop(self) -> None:
+        """Called by the thread itself, in a wait.
+
+        Raises:
+            Stopped: always, but for a thread that has caught it again and again.
+        """
+        self._stops += 1
+        if self._stops <= MOST_STOPS:
+            raise Stopped
+
+    def run(self, target: Callable[[], None]) -> BaseException | None:
+        """Do what the thread is for; the exception that has ended it, if it was one."""
+        try:
+            target()
+        except (Stopped, SystemExit):
+            pass
+        except BaseException as error:
+            return error
+        return None
+
+    def report(self, error: BaseException) -> None:
+        """What Python does with an exception that ends a thread."""
+        told = (type(error), error, error.__traceback__, self.thread)
+        threading.excepthook(threading.ExceptHookArgs(told))
+
+    def __str__(self) -> str:
+        """The thread and the line of its program at which it is."""
+        frames = sys._current_frames()  # noqa: SLF001 - the only way to see another thread's
+        stack = traceback.extract_stack(frames.get(self.thread.ident or 0))
+        where = f", at {stack[-1].filename}:{stack[-1].lineno}" if stack else ""
+        return f"thread {self.thread.name!r}{where}"
+
+
+TICK = 1 / MICROSECONDS  # seconds; who waits for less, as for a rest left by rounding, gets this
+LONGEST_WAIT = 3600.0  # simulated seconds the test waits for what has no time-out of its own
+
+
+class Baton:
+    """Who may run, and what has to happen before somebody else may."""
+
+    def __init__(self, segment: Segment[Node], patience: float) -> None:
+        self.segment = segment
+        self.clock = segment.clock
+        self.failure: Exception | None = None  # of a thread; the test is to hear of it
+        self._patience = patience
+        self._owner = threading.get_ident()
+        self._tasks: list[Task] = []  # in the order of their start, which is that of their turns
+        self._running: Task | None = None
+        self._returned = threading.Semaphore(0)
+        self._look_is_due = False
+        self._ending = False
+
+    def wait(self, ready: Ready, timeout: float | None) -> bool:
+        """Let simulated time pass until `ready`, at most for `timeout` seconds; whether it is.
+
+        Raises:
+            SimulatedTimeError: the caller may not wait here, or would wait for ever.
+        """
+        task = self.holder()
+        if _in_event_loop():
+            raise self.refusal("asyncio has a loop of its own, which waits in real time")
+        if task is not None and self._ending:
+            self._stop(task)
+        if not ready() and (timeout is None or timeout > 0):
+            longest = None if timeout is None else max(timeout, TICK)
+            if task is None:
+                self._pass_time(ready, longest)
+            else:
+                self._park(task, ready, longest)
+        return bool(ready())
+
+    def changed(self) -> None:
+        """Something has happened: at this moment of the clock, all that wait look again."""
+        self.holder()
+        if not self._look_is_due:
+            self._look_is_due = True
+            self.clock.after(0, self._look)
+
+    def enlist(self, thread: threading.Thread) -> Task:
+        """Let a thread that is about to start take part."""
+        self.changed()
+        task = Task(thread)
+        self._tasks.append(task)
+        return task
+
+    def holder(self) -> Task | None:
+        """The task that runs; none for the thread that entered simulated time.
+
+        Raises:
+            SimulatedTimeError: the caller is neither.
+        """
+        caller, running = threading.get_ident(), self._running
+        if running is not None and running.thread.ident == caller:
+            return running
+        if caller != self._owner:
+            raise self.refusal(
+                f"thread {threading.current_thread().name!r} runs in real time: name the module"
+                " that starts it, as in simulated_time(bench, 'my_master')"
+            )
+        return None
+
+    def refusal(self, message: str) -> SimulatedTimeError:
+        """An error to raise, which also reaches the test if it is raised in a thread."""
+        error = SimulatedTimeError(message)
+        if threading.get_ident() != self._owner:
+            self.failure = self.failure or error
+        return error
+
+    def take_part(self, task: Task, target: Callable[[], None]) -> None:
+        """What a thread of the master does: run when it is its turn."""
+        task.turn.acquire()
+        error = None if self._ending else task.run(target)
+        if error is not None and error is not self.failure:
+            task.report(error)  # before the next one runs, so that reports have an order
+        task.done = True
+        if self._running is task:
+            self.changed()
+            self._returned.release()
+
+    def end(self) -> None:
+        """End every thread that still waits."""
+        self._ending = True
+        for task in self._tasks:
+            try:
+                self._resume(task)
+            except SimulatedTimeError as error:  # one that is stuck keeps no other from ending
+                self.failure = self.failure or error
+            if task.done:
+                threading.Thread.join(task.thread, self._patience)  # in real time
+
+    def _pass_time(self, ready: Ready, timeout: float | None) -> None:
+        clock = self.clock
+        end = clock.ticks + microseconds(LONGEST_WAIT if timeout is None else timeout)
+        while clock.next_tick <= end:
+            self.segment.advance_to(clock.next_tick / MICROSECONDS)
+            if self.failure is not None:
+                raise self.failure
+            if ready():
+                return
+        self.segment.advance_to(end / MICROSECONDS)
+        if timeout is None:
+            raise SimulatedTimeError(
+                f"nothing has come in {LONGEST_WAIT:.0f} s of simulated time, and this wait has no"
+                " time-out"
+            )
+
+    def _park(self, task: Task, ready: Ready, timeout: float | None) -> None:
+        task.ready = ready
+        timer = None if timeout is None else self.clock.after(timeout, partial(self._resume, task))
+        self._returned.release()
+        task.turn.acquire()
+        if timer is not None:
+            timer.cancel()
+        if self._ending:
+            self._stop(task)
+
+    def _look(self) -> None:
+        self._look_is_due = False
+        for task in self._tasks:
+            if task.ready():
+                self._resume(task)
+        self._tasks = [task for task in self._tasks if not task.done]
+
+    def _resume(self, task: Task) -> None:
+        """Let a task run until it waits again, or is done."""
+        if task.done:
+            return
+        if self.holder() is not None:
+            raise self.refusal("a thread of the master may not move the clock of the bench")
+        self._running = task
+        task.turn.release()
+        back = self._returned.acquire(timeout=self._patience)
+        self._running = None
+        if not back:
+            task.done = True  # as far as anybody here is concerned
+            raise SimulatedTimeError(
+                f"{task} has not come back for {self._patience} s of real time: what it does there"
+                " does not wait in simulated time"
+            )
+
+    def _stop(self, task: Task) -> None:
+        """End a task in its wait; one that goes on all the same is left there for good."""
+        task.stop()
+        self.failure = self.failure or SimulatedTimeError(
+            f"{task} cannot be ended: an `except:` in it holds everything up"
+        )
+        self._returned.release()
+        task.turn.acquire()
+
+
+def _in_event_loop() -> bool:
+    try:
+        asyncio.get_running_loop()
+    except RuntimeError:
+        return False
+    return True
+
+
+_current: list[Baton] = []
+
+
+def begin(segment: Segment[Node], patience: float) -> Baton:
+    """Let simulated time be that of a segment.
+
+    Raises:
+        SimulatedTimeError: it is in force already.
+    """
+    if _current:
+        raise SimulatedTimeError("simulated time is in force already: leave it before you enter it")
+    _current.append(Baton(segment, patience))
+    return _current[0]
+
+
+def cease() -> None:
+    """Go back to real time."""
+    _current.clear()
+
+
+def baton() -> Baton:
+    """Who may run.
+
+    Raises:
+        SimulatedTimeError: simulated time is not in force.
+    """
+    if not _current:
+        raise SimulatedTimeError("simulated time is over: what was made in it waits no more")
+    return _current[0]
+
+
+def wait(ready: Ready, timeout: float | None = None) -> bool:
+    """See `Baton.wait`."""
+    return baton().wait(ready, timeout)
+
+
+def changed() -> None:
+    """See `Baton.changed`; nobody waits when simulated time is over."""
+    if _current:
+        _current[0].changed()

@@ -1,0 +1,1 @@
+"""A CAN bus: frames, their identifiers, the clock, and whatever carries them."""

@@ -1,0 +1,93 @@
+"""A python-can bus on a hub: unlike the `socketcand` interface it tells when the hub is gone."""
+
+import select
+import socket
+from collections import deque
+
+import can
+
+from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.hub.protocol import Address, Refused, Stream, element, read_delivered, sent
+
+PATIENCE = 2.0  # seconds for the hub to take or to answer something
+CHUNK = 1 << 16  # bytes
+
+
+class HubBus(can.BusABC):
+    """One client of a hub, or of a socketcand; remote frames come and go as such."""
+
+    def __init__(self, address: Address, channel: str) -> None:
+        """Join a bus by its name.
+
+        Raises:
+            OSError: there is nobody, or nobody who answers in time.
+            CanOperationError: it is refused.
+        """
+        self.channel_info = f"{channel} at {address}"
+        self._stream = Stream()
+        self._inbox: deque[str] = deque()
+        self._socket = socket.create_connection(address, PATIENCE)
+        try:
+            self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            self._expect("hi")
+            for command in (f"open {channel}", "rawmode"):
+                self._socket.sendall(element(command))
+                self._expect("ok")
+            self._socket.sendall(element("echo"))  # to hear at once: a hub waits for python-can
+        except BaseException:
+            self._socket.close()
+            raise
+        super().__init__(channel)
+
+    def send(self, msg: can.Message, timeout: float | None = None) -> None:
+        """Send a frame of classic CAN."""
+        frame = Frame(msg.arbitration_id, bytes(msg.data), msg.is_remote_frame, msg.is_extended_id)
+        self._socket.sendall(sent(frame))
+
+    def fileno(self) -> int:
+        """For `select`, as python-can's notifier does."""
+        return self._socket.fileno()
+
+    def shutdown(self) -> None:
+        """Leave."""
+        super().shutdown()
+        self._socket.close()
+
+    def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
+        if not self._inbox and select.select([self._socket], [], [], timeout)[0]:
+            self._fill()
+        while self._inbox:
+            if (frame := self._read(self._inbox.popleft())) is not None:
+                return _message(frame), False
+        return None, False
+
+    def _read(self, text: str) -> Frame | None:
+        if text.startswith("error"):
+            raise can.CanOperationError(f"the hub says: {text}")
+        try:
+            return read_delivered(text)
+        except Refused as refusal:
+            raise can.CanOperationError(str(refusal)) from refusal
+
+    def _fill(self) -> None:
+        if not (data := self._socket.recv(CHUNK)):
+            raise can.CanOperationError("the hub is gone")
+        try:
+            self._inbox += self._stream.feed(data)
+        except Refused as refusal:
+            raise can.CanOperationError(f"there is no hub: {refusal}") from refusal
+
+    def _expect(self, answer: str) -> None:
+        while not self._inbox:
+            self._fill()
+        if (text := self._inbox.popleft()) != answer:
+            raise can.CanOperationError(f"the hub says: {text}")
+
+
+def _message(frame: Frame) -> can.Message:
+    return can.Message(
+        arbitration_id=frame.can_id,
+        is_extended_id=frame.extended,
+        is_remote_frame=frame.remote,
+        data=frame.data,
+    )

@@ -1,0 +1,228 @@
+"""Who is connected to the hub, and who is on which bus."""
+
+import asyncio
+import logging
+import os
+import re
+import socket
+import time
+from collections.abc import Callable, Mapping
+from enum import Enum
+from typing import ClassVar, Protocol
+
+from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.hub.protocol import Address, Refused, Stream, delivered, element, read_sent
+from canopen_twins.errors import UserError
+
+
+class Client(Protocol):
+    """What the switch knows of a connection."""
+
+    bus: str
+    """Empty for one that is on none."""
+
+    def deliver(self, data: bytes) -> None:
+        """Bring it a frame; never waits."""
+
+    def hang_up(self) -> None:
+        """End it."""
+
+
+class Switch:
+    """What one client of a bus sends all others on it get, in the order in which it came."""
+
+    def __init__(self) -> None:
+        self.clients: dict[Client, None] = {}  # a set that keeps the order
+        self._buses: dict[str, dict[Client, None]] = {}
+
+    def join(self, client: Client) -> None:
+        """Let a client hear its bus from now on."""
+        self._buses.setdefault(client.bus, {})[client] = None
+
+    def leave(self, client: Client) -> None:
+        """Forget a client, and a bus on which nobody is left."""
+        self.clients.pop(client, None)
+        bus = self._buses.get(client.bus, {})
+        bus.pop(client, None)
+        if not bus:
+            self._buses.pop(client.bus, None)
+
+    def send(self, sender: Client, frame: Frame) -> None:
+        """Bring a frame to everybody else on the sender's bus."""
+        data = delivered(frame, time.time())
+        for client in tuple(self._buses[sender.bus]):
+            if client is not sender:
+                client.deliver(data)
+
+
+log = logging.getLogger(__name__)
+
+MOST_CLIENTS = 64
+MOST_WAITING = 1 << 20  # bytes for one client, some 20 000 frames
+KERNEL_BUFFER = 1 << 18  # bytes for one client; by itself it would grow to several MB
+HANDSHAKE = 10.0  # seconds until a client has to be on a bus
+FAREWELL = 1.0  # seconds for a client to read why
+SETTLING = 0.2  # seconds
+OPEN = re.compile(r"open ([A-Za-z0-9_.-]{1,16})")
+
+
+class Stage(Enum):
+    """How far a client has come."""
+
+    GREETED = "greeted"
+    OPENED = "opened"
+    JOINED = "joined"
+
+
+class Connection(asyncio.Protocol):
+    """A client from the side of the hub."""
+
+    def __init__(self, switch: Switch) -> None:
+        self.bus = ""
+        self._switch = switch
+        self._stage = Stage.GREETED
+        self._stream = Stream()
+        self._settling: bytearray | None = None  # what is kept back for a moment
+        self._end: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Greet, or send away."""
+        assert isinstance(transport, asyncio.Transport)
+        self._transport = transport
+        connection: socket.socket = transport.get_extra_info("socket")
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BUFFER)
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+        peer = transport.get_extra_info("peername")  # none if it is gone again
+        self._name = str(Address(*peer[:2])) if peer else "somebody"
+        if len(self._switch.clients) >= MOST_CLIENTS:
+            self._refuse(f"there are {MOST_CLIENTS} clients already")
+            return
+        self._switch.clients[self] = None
+        asyncio.get_running_loop().call_later(HANDSHAKE, self._hurry)
+        self._write(element("hi"))
+
+    def data_received(self, data: bytes) -> None:
+        """Do what it says."""
+        self._settle()  # whoever speaks has read what it was told
+        try:
+            for text in self._stream.feed(data):
+                if not self._transport.is_closing():
+                    self._obey(text)
+        except Refused as refusal:
+            self._refuse(str(refusal))
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """It has gone."""
+        self._switch.leave(self)
+        if self._end is not None:
+            self._end.cancel()
+        log.info("%s has gone", self._name)
+
+    def deliver(self, data: bytes) -> None:
+        """Bring it what another client has sent; never waits."""
+        if self._settling is None:
+            self._write(data)
+        else:
+            self._settling += data
+            self._check(len(self._settling))
+
+    def hang_up(self) -> None:
+        """End the connection; what has been written goes out, if it is read soon."""
+        self._switch.leave(self)
+        self._transport.close()
+        self._end = asyncio.get_running_loop().call_later(FAREWELL, self._transport.abort)
+
+    def _write(self, data: bytes) -> None:
+        if not self._transport.is_closing():
+            self._transport.write(data)
+            self._check(self._transport.get_write_buffer_size())
+
+    def _check(self, waiting: int) -> None:
+        if waiting > MOST_WAITING:
+            log.warning("%s does not read what is on %s: dropped", self._name, self.bus)
+            self._switch.leave(self)
+            self._transport.abort()
+
+    def _obey(self, text: str) -> None:
+        commands = self._commands[self._stage]
+        if not (obey := commands.get(text.partition(" ")[0])):
+            raise Refused(f"unknown command, there is {', '.join(commands)}")
+        obey(self, text)
+
+    def _open(self, text: str) -> None:
+        if not (match := OPEN.fullmatch(text)):
+            raise Refused("the name of a bus is 1 to 16 letters, digits and _.-")
+        self.bus, self._stage = match[1], Stage.OPENED
+        self._write(element("ok"))
+
+    def _join(self, text: str) -> None:
+        """Frames are kept back for a moment: python-can has to read this answer all by itself."""
+        self._stage, self._settling = Stage.JOINED, bytearray()
+        self._write(element("ok"))
+        self._switch.join(self)
+        asyncio.get_running_loop().call_later(SETTLING, self._settle)
+        log.info("%s is on %s", self._name, self.bus)
+
+    def _send(self, text: str) -> None:
+        self._switch.send(self, read_sent(text))
+
+    def _echo(self, text: str) -> None:
+        self._write(element("echo"))
+
+    def _settle(self) -> None:
+        held, self._settling = self._settling, None
+        if held:
+            self._write(bytes(held))
+
+    def _hurry(self) -> None:
+        if self._stage is not Stage.JOINED and self in self._switch.clients:
+            self._refuse(f"on no bus within {HANDSHAKE:.0f} s")
+
+    def _refuse(self, why: str) -> None:
+        log.warning("%s refused: %s", self._name, why)
+        self._write(element(f"error {why}"))
+        self.hang_up()
+
+    _commands: ClassVar[Mapping[Stage, Mapping[str, Callable[["Connection", str], None]]]] = {
+        Stage.GREETED: {"open": _open},
+        Stage.OPENED: {"rawmode": _join, "echo": _echo},
+        Stage.JOINED: {"send": _send, "sendrtr": _send, "echo": _echo},
+    }
+
+
+NAP = 0.05  # seconds until `stopped` is asked again
+
+
+def serve_hub(
+    address: Address, stopped: Callable[[], bool], ready: Callable[[Address], None]
+) -> None:
+    """Serve until `stopped` says so; `ready` is told the address, with a free port for port 0.
+
+    Raises:
+        UserError: the address cannot be used.
+    """
+    asyncio.run(_serve(address, stopped, ready))
+
+
+async def _serve(
+    address: Address, stopped: Callable[[], bool], ready: Callable[[Address], None]
+) -> None:
+    switch = Switch()
+    try:
+        server = await asyncio.get_running_loop().create_server(
+            lambda: Connection(switch), *address
+        )
+    except OSError as failure:
+        raise UserError(f"no hub at {address}: {_words(failure)}") from failure
+    ready(Address(address.host, server.sockets[0].getsockname()[1]))
+    while not stopped():
+        await asyncio.sleep(NAP)
+    server.close()
+    for client in tuple(switch.clients):
+        client.hang_up()
+
+
+def _words(failure: OSError) -> str:
+    """Without what asyncio tells of the address; names that are unknown have no errno."""
+    number = failure.errno or 0
+    return os.strerror(number) if number > 0 else str(failure.strerror)

@@ -1,0 +1,155 @@
+"""A bus whose frames take their time: one after the other, the lowest identifier first."""
+
+from collections import deque
+from collections.abc import Callable
+from heapq import heappop, heappush
+from itertools import count
+from typing import Generic, NamedTuple, Protocol, TypeVar
+
+from canopen_twins.bus.clock import Clock
+from canopen_twins.bus.frame import Frame, length
+from canopen_twins.bus.wire import Outbox, Wire
+
+
+class Arbitration:
+    """Frames that wait compete for the bus each time it is free; equals keep their order.
+
+    What is over is in `arrived`, with who sent it; the bit rate is in bit/s.
+    """
+
+    def __init__(self, clock: Clock, bit_rate: int) -> None:
+        self.bit_rate = bit_rate
+        self._clock = clock
+        self.arrived: Outbox = deque()
+        self._waiting: list[tuple[tuple[int, ...], int, Wire, Frame]] = []
+        self._order = count()
+        self._busy = False
+
+    def take(self, outbox: Outbox) -> None:
+        """Let everything compete that has been sent by now."""
+        while outbox:
+            sender, frame = outbox.popleft()
+            heappush(self._waiting, (priority(frame), next(self._order), sender, frame))
+        if self._waiting and not self._busy:
+            self._begin()
+
+    def _begin(self) -> None:
+        _, _, sender, frame = heappop(self._waiting)
+        self._busy = True
+        self._clock.after(length(frame) / self.bit_rate, lambda: self._end(sender, frame))
+
+    def _end(self, sender: Wire, frame: Frame) -> None:
+        self._busy = False
+        self.arrived.append((sender, frame))
+
+
+def priority(frame: Frame) -> tuple[int, ...]:
+    """The bits of the arbitration field in their order; the lower one wins (ISO 11898-1)."""
+    if frame.extended:
+        return (frame.can_id >> 18, 1, 1, frame.can_id & 0x3FFFF, frame.remote)
+    return (frame.can_id, frame.remote, 0)
+
+
+Listener = Callable[[Frame, str], None]
+"""Called with a frame and the name of who sent it, empty for one from outside."""
+
+
+class Record(NamedTuple):
+    """One frame on a segment."""
+
+    time: float
+    """Seconds of the segment's clock."""
+    frame: Frame
+    sender: str
+    """The name of the node or master that sent it; empty for one from outside."""
+
+    def __str__(self) -> str:
+        """As `candump -L` writes it, with the time of the segment."""
+        return f"({self.time:017.6f}) can0 {self.frame}"
+
+
+class End(Protocol):
+    """Who is on a segment: it sends by its wire, and hears what the others send."""
+
+    wire: Wire
+
+    def receive(self, frame: Frame) -> None:
+        """Take a frame from the bus; what the end sends is in the outbox afterwards."""
+
+
+AnyEnd = TypeVar("AnyEnd", bound=End)
+
+
+class Segment(Generic[AnyEnd]):
+    """What one node sends, all others and every listener get, in the order in which it was sent."""
+
+    def __init__(self) -> None:
+        self.clock = Clock()
+        self.nodes: list[AnyEnd] = []
+        self.listeners: list[Listener] = []
+        self.outbox: Outbox = deque()
+        self._foreign = Wire(self.clock, self.outbox)
+        self._touched: list[Callable[[], None]] = []
+        self._bus: Arbitration | None = None
+
+    def limit(self, bit_rate: int) -> None:
+        """Let frames take their time from now on, at so many bit/s; else they take none."""
+        self._bus = Arbitration(self.clock, bit_rate)
+
+    @property
+    def limited(self) -> bool:
+        """Whether frames take their time."""
+        return self._bus is not None
+
+    def master(self, name: str) -> Wire:
+        """An end of the bus for somebody who is no node: `put` frames there, then `deliver`.
+
+        Unlike frames from outside, theirs carry a name: whoever brings the segment to a real bus
+        takes them along.
+        """
+        return Wire(self.clock, self.outbox, name)
+
+    def touch(self, see_to: Callable[[], None]) -> None:
+        """Somebody holds a device of a node in his hands: see to it before anything else."""
+        self._touched.append(see_to)
+
+    def _see_to_touched(self) -> None:
+        while self._touched:
+            self._touched.pop()()
+            self.deliver()
+
+    def send(self, frame: Frame) -> None:
+        """Put a frame on the bus that comes from outside; the answers are out after."""
+        if self._touched:
+            self._see_to_touched()
+        self.outbox.append((self._foreign, frame))
+        self.deliver()
+
+    def deliver(self) -> None:
+        """Bring every frame that is waiting to whoever hears it.
+
+        Listeners come after the nodes, as they may send in turn: no node hears the reply to a
+        frame before the frame. They hear the frame that brings a bug to light, too.
+        """
+        arrived = self.outbox if self._bus is None else self._bus.arrived
+        while arrived:
+            sender, frame = arrived.popleft()
+            try:
+                for node in self.nodes:
+                    if node.wire is not sender:
+                        node.receive(frame)
+            finally:
+                for listener in self.listeners:
+                    listener(frame, sender.name)
+        if self._bus is not None:
+            self._bus.take(self.outbox)
+
+    def advance(self, seconds: float) -> None:
+        """Let time pass; frames are delivered at the moment they are sent."""
+        self.advance_to(self.clock.now + seconds)
+
+    def advance_to(self, time: float) -> None:
+        """Let time pass up to a moment."""
+        if self._touched:
+            self._see_to_touched()
+        self.clock.advance_to(time, self.deliver)

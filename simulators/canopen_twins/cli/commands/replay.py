@@ -1,0 +1,36 @@
+"""A recorded run, lived through again."""
+
+import argparse
+import logging
+import sys
+from filecmp import cmp
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from canopen_twins.cli.exit_codes import FAILED, OK
+from canopen_twins.record import Recorded, Side, differences, record, reproduce
+from canopen_twins.record.plot import Plot
+from canopen_twins.scenario import print_frames
+
+log = logging.getLogger(__name__)
+
+
+def replay(options: argparse.Namespace) -> int:
+    """The frames to stdout, and in a line to stderr whether they are those of the record."""
+    plot = Plot(options.plot) if options.plot else None
+    recorded = Recorded(options.record)
+    if others := recorded.other_versions:
+        log.warning("%s was made with %s", options.record, others)
+    with TemporaryDirectory() as folder:
+        anew = Path(folder) / "replay"
+        scenario = recorded.scenario.read_bytes() if recorded.about.scenario else None
+        with record(anew, recorded.about, scenario) as observer:
+            watched = [plot.begin] if plot else []
+            reproduce(recorded, [observer, print_frames(sys.stdout), *watched])
+        same, told = differences(Side.of("record", options.record), Side.of("replay", anew))
+        if same and not cmp(recorded.trace, Recorded(anew).trace, shallow=False):
+            same, told = False, f"{told}, but {recorded.trace} has been written otherwise"
+    print(told, file=sys.stderr)
+    if plot is not None:
+        plot.save()
+    return OK if same else FAILED

@@ -1,0 +1,220 @@
+"""What a device tells its master of itself when something is wrong, message by message."""
+
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from math import inf
+from typing import Any, ClassVar, NamedTuple
+
+from canopen import ObjectDictionary
+
+from canopen_twins.device.chart import Chart
+from canopen_twins.device.faults import Fault
+from canopen_twins.device.settings import NodeSettings, changed
+from canopen_twins.errors import UserError
+from canopen_twins.slave.dictionary import dictionary
+from canopen_twins.slave.emcy import Emcy, Farewell, when_all_are_gone
+from canopen_twins.slave.memory import Memory
+from canopen_twins.slave.object import Address, Object, Rejected
+from canopen_twins.slave.profile import Profile
+from canopen_twins.slave.rpdo import Rpdo
+from canopen_twins.slave.service import NODE_IDS, Service, State
+from canopen_twins.slave.slave import Slave
+from canopen_twins.slave.tpdo import Tpdo
+
+
+class EmcyMessage(NamedTuple):
+    """An emergency."""
+
+    text: str
+    code: int
+    """Emergency error code."""
+    field: bytes = b""
+    """How the manufacturer-specific error field begins; empty for whatever it is."""
+
+
+class BitMessage(NamedTuple):
+    """A bit of an object; set while there is something to tell."""
+
+    text: str
+    address: Address
+    bit: int
+
+
+Message = EmcyMessage | BitMessage
+
+
+class Device:
+    """A model, the dictionary in front of it, and what it does on the bus.
+
+    Commands come from the node in this order: `power_on`, then `on_state`, `step` and writes to
+    objects as they happen, `reset_node` and `reset_communication` when the NMT master says so.
+    """
+
+    eds: str
+    """File of od/, or a path."""
+    title: ClassVar[str]
+    """Maker, name and manual, for lists."""
+    settings_type: ClassVar[type[Any]] = NodeSettings
+    """The dataclass of its settings."""
+    profile: Profile = Profile()
+    cycle: float = 0.01
+    """Seconds between two steps, whole microseconds."""
+
+    def __init__(self, **given: object) -> None:
+        """Raises `UserError` for settings that are unknown or of the wrong kind."""
+        self.settings: Any = self.settings_type()
+        self.memory = Memory()
+        self.configure(**given)
+
+    @property
+    def node_id(self) -> int:
+        """The node id to boot with; asked at power-on and at every reset."""
+        return int(self.settings.node_id)
+
+    @property
+    def online(self) -> bool:
+        """Whether there is anything on the bus: firmware, or whatever lies behind it."""
+        return True
+
+    @property
+    def silence(self) -> str:
+        """Why it is not `online`, in words for whoever waits for it."""
+        return ""
+
+    @property
+    def nmt_state(self) -> State | None:
+        """The NMT state the device is in by its own will; none where the master decides."""
+        return None
+
+    @property
+    def rest(self) -> float:
+        """Seconds from the last step during which stepping may be left out.
+
+        Nothing that can be observed changes meanwhile unless somebody acts; 0 for every cycle.
+        """
+        return inf
+
+    @property
+    def objects(self) -> Mapping[Address, Object]:
+        """The entries that act on the model."""
+        return {}
+
+    @property
+    def stored(self) -> Collection[Address]:
+        """The entries that 0x1010 keeps."""
+        return ()
+
+    @property
+    def emergencies(self) -> Sequence[Emcy]:
+        """What is wrong at this moment, in the order in which it came."""
+        return ()
+
+    @property
+    def faults(self) -> Mapping[str, Fault]:
+        """What can be injected."""
+        return {}
+
+    @property
+    def messages(self) -> Mapping[str, Message]:
+        """What a master can be told, by the names of the manual and in its order."""
+        return {}
+
+    @property
+    def report(self) -> Mapping[str, object]:
+        """What a look at the model shows, in engineering units, for traces and failed tests."""
+        return {}
+
+    @property
+    def chart(self) -> Chart:
+        """What is drawn in a picture of a run."""
+        return Chart()
+
+    farewell: Farewell = staticmethod(when_all_are_gone)
+    """What is told of an error that has gone."""
+
+    def dictionary(self) -> ObjectDictionary:
+        """A fresh object dictionary for the slave that is about to boot."""
+        return dictionary(self.eds, self.node_id)
+
+    def pdos(self, slave: Slave) -> Iterable[Service]:
+        """The PDOs of the dictionary, and what may drive them."""
+        yield from (Rpdo(slave, number, self.on_rpdo_refused) for number in Rpdo.numbers(slave))
+        yield from (Tpdo(slave, number) for number in Tpdo.numbers(slave))
+
+    def services(self, slave: Slave) -> Iterable[Service]:
+        """What this device does on the bus beyond the standard services."""
+        return ()
+
+    def power_on(self) -> None:
+        """Supply comes: everything volatile starts afresh."""
+
+    def power_off(self) -> None:
+        """Supply goes."""
+
+    def reset_node(self) -> None:
+        """NMT 81h: the application starts afresh."""
+
+    def reset_communication(self) -> None:
+        """NMT 82h: only the communication starts afresh."""
+
+    def save(self) -> None:
+        """0x1010: keep in the memory what is not among `stored`.
+
+        Raises:
+            OSError: the memory cannot be written; the master is told.
+        """
+
+    def restore(self) -> None:
+        """0x1011: keep the factory settings of the same; raises as `save` does."""
+
+    def on_state(self, state: State) -> None:
+        """The node has entered an NMT state."""
+
+    def on_frame(self) -> None:
+        """A frame that this node listens to has come."""
+
+    def on_heartbeat(self, node_id: int, alive: bool) -> None:
+        """A node that 0x1016 watches has fallen silent, or is back."""
+
+    def on_rpdo_refused(self, number: int, refusal: Rejected) -> None:
+        """An RPDO was too short, or brought a value that an object refused."""
+
+    def set(self, **given: object) -> None:
+        """Change settings while the device runs.
+
+        Raises:
+            UserError: unknown, of the wrong kind, taken over at power-on only, or not to go
+                together; the settings are then as before.
+        """
+        with self._trial(given, live=True):
+            self.apply()
+
+    def configure(self, **given: object) -> None:
+        """Change settings while the device is off; raises as `set` does."""
+        with self._trial(given):
+            pass
+
+    @contextmanager
+    def _trial(self, given: Mapping[str, object], live: bool = False) -> Iterator[None]:
+        before, self.settings = self.settings, changed(self.settings, given, live=live)
+        try:
+            self.check()
+            yield
+        except UserError:
+            self.settings = before
+            raise
+
+    def check(self) -> None:
+        """Look at the settings as a whole, before they are taken over.
+
+        Raises:
+            UserError: right one by one, but not together; a node id outside 1..127.
+        """
+        if self.node_id not in NODE_IDS:
+            raise UserError(f"node id {self.node_id} is not in 1..127")
+
+    def apply(self) -> None:
+        """Take over settings that have changed while the device runs."""
+
+    def step(self, dt: float) -> None:
+        """Let time pass in the model; `dt` is a whole number of cycles, in seconds."""

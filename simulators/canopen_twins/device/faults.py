@@ -1,0 +1,142 @@
+"""What can go wrong: one vocabulary for scenarios, tests and the command line."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from math import inf
+from typing import Any
+
+from canopen_twins.errors import UserError, unknown
+from canopen_twins.files.convert import convert
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter of a fault: what it means, and its value when nobody says otherwise.
+
+    A parameter without default has to be given. A number has to be in `low`..`high`; one of kind
+    `object` is a number or a text.
+    """
+
+    text: str
+    default: int | float | str | None = None
+    kind: type[int] | type[float] | type[str] | type[object] = float
+    low: float = -inf
+    high: float = inf
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Something that can be injected and cleared by name.
+
+    `inject` is called with every parameter as a keyword, `clear` later with the same. A fault
+    without `clear` is over at once: what it leaves behind is the device's to reset. One that heals
+    by itself says through `over` when it has.
+    """
+
+    text: str
+    inject: Callable[..., None]
+    clear: Callable[..., None] | None = None
+    parameters: Mapping[str, Parameter] = field(default_factory=dict)
+    level: str = "device"
+    sees: str = ""
+    """What a master should see of it, if the text does not say so."""
+    over: Callable[[], bool] = lambda: False
+
+
+class Faults:
+    """The faults of one device and those around it, and which of them are active.
+
+    Raises:
+        ValueError: a device has a fault of a name that has a meaning for every device.
+    """
+
+    def __init__(
+        self, of_device: Mapping[str, Fault], around: Mapping[str, Fault] | None = None
+    ) -> None:
+        around = around or {}
+        if twice := of_device.keys() & around.keys():
+            raise ValueError(f"every device has a fault {min(twice)!r}: name yours otherwise")
+        self.known = {**of_device, **around}
+        self._of_device = of_device
+        self._injected: dict[str, dict[str, Any]] = {}
+
+    @property
+    def active(self) -> Mapping[str, Mapping[str, Any]]:
+        """The faults that are there at this moment, with their parameters."""
+        injected = self._injected.items()
+        return {name: values for name, values in injected if not self.known[name].over()}
+
+    def inject(self, name: str, **given: Any) -> None:
+        """Let something go wrong; a fault that is active already is replaced.
+
+        Raises:
+            UserError: no such fault, an unknown or missing parameter, or a wrong value.
+        """
+        fault = self._find(name)
+        values = arguments(name, fault, given)
+        self.clear(name)
+        fault.inject(**values)
+        if fault.clear is not None:
+            self._injected[name] = values
+
+    def clear(self, name: str | None = None) -> None:
+        """Take one fault away, or all of them; the device recovers as far as it does by itself.
+
+        Raises:
+            UserError: no such fault.
+        """
+        for each in [name] if name is not None else list(self._injected):
+            fault = self._find(each)
+            values = self._injected.pop(each, None)
+            if values is not None and fault.clear is not None:
+                fault.clear(**values)
+
+    def renew(self) -> None:
+        """Inject again what a power cycle took from the device: a cause outlives it."""
+        for name, values in self._injected.items():
+            if name in self._of_device:
+                self.known[name].inject(**values)
+
+    def words(self, name: str, values: Mapping[str, Any]) -> str:
+        """A fault with those of its parameters that somebody has chosen."""
+        told = self.known[name].parameters
+        chosen = [f"{key}={value}" for key, value in values.items() if value != told[key].default]
+        return f"{name}({', '.join(chosen)})"
+
+    def _find(self, name: str) -> Fault:
+        if name not in self.known:
+            raise unknown("fault", name, self.known)
+        return self.known[name]
+
+
+def arguments(name: str, fault: Fault, given: Mapping[str, Any]) -> dict[str, Any]:
+    """The parameters a fault is injected with: those given over the defaults.
+
+    Raises:
+        UserError: an unknown parameter, one that is missing, or a value of the wrong kind.
+    """
+    values = {key: told.default for key, told in fault.parameters.items()}
+    values |= {key: argument(name, fault, key, value) for key, value in given.items()}
+    for parameter, value in values.items():
+        if value is None:
+            raise UserError(
+                f"fault {name!r} wants {parameter!r}: {fault.parameters[parameter].text}"
+            )
+    return values
+
+
+def argument(name: str, fault: Fault, parameter: str, value: object) -> Any:
+    """One parameter as the fault takes it.
+
+    Raises:
+        UserError: the fault has no such parameter, or the value is of the wrong kind or size.
+    """
+    if parameter not in fault.parameters:
+        raise unknown(f"parameter of fault {name!r}", parameter, fault.parameters)
+    told = fault.parameters[parameter]
+    taken = convert(f"parameter {parameter!r} of fault {name!r}", value, told.kind)
+    if isinstance(taken, (int, float)) and not told.low <= taken <= told.high:
+        size = "less" if taken < told.low else "more"
+        end = told.low if taken < told.low else told.high
+        raise UserError(f"parameter {parameter!r} of fault {name!r}: {value} is {size} than {end}")
+    return taken

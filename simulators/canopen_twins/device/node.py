@@ -1,0 +1,298 @@
+"""The services of one slave, from one boot to the next: who hears what, who has news."""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from math import inf, isfinite
+
+from canopen_twins.bus.clock import MICROSECONDS, Action, Clock, Scope, Timer, microseconds
+from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.wire import Outbox, Wire, through
+from canopen_twins.device.device import Device
+from canopen_twins.device.faults import Faults
+from canopen_twins.slave.emcy import EmcyLog, EmcyProducer
+from canopen_twins.slave.heartbeat import HeartbeatConsumer, HeartbeatProducer
+from canopen_twins.slave.nmt import Nmt, Reset
+from canopen_twins.slave.sdo.server import SdoServer
+from canopen_twins.slave.service import Handler, Heard, Service, State
+from canopen_twins.slave.slave import Slave
+from canopen_twins.slave.store import Store, recall
+from canopen_twins.slave.sync import Sync
+
+
+class Stack:
+    """Built anew by every reset; nothing in it is cleaned by hand.
+
+    `routes` and `publishers` are worked out for the NMT state and for the communication area as
+    it is, so that a frame finds its handlers with one look.
+    """
+
+    def __init__(
+        self,
+        slave: Slave,
+        device: Device,
+        log: EmcyLog,
+        listeners: Sequence[Callable[[State], None]],
+    ) -> None:
+        self.slave = slave
+        self.state = State.INITIALISING
+        self.routes: dict[Heard, list[Handler]] = {}
+        self.publishers: list[Callable[[], None]] = []
+        self.stale = False  # something in the communication area has changed
+        self._device = device
+        self._listeners = listeners
+        self._nmt = Nmt(slave)
+        self._heartbeat = HeartbeatProducer(slave)
+        self._services = [self._nmt, self._heartbeat, *_services(slave, device, log)]
+        slave.on_communication_change = self._on_communication_change
+        slave.bind(device.objects)
+        for service in self._services:
+            slave.bind(service.objects)
+
+    @property
+    def reset(self) -> Reset | None:
+        """What the NMT master wants to be reset."""
+        return self._nmt.reset
+
+    def boot_up(self) -> None:
+        """Initialisation is over: say so and enter Pre-operational."""
+        self._nmt.boot_up()
+        self._heartbeat.start()
+        self._announce(State.PRE_OPERATIONAL)
+
+    def follow(self) -> None:
+        """Enter the state the NMT master wants, then the one the device wants."""
+        if self._nmt.state is not self.state:
+            self._announce(self._nmt.state)
+        own = self._device.nmt_state
+        if own is not None and own is not self.state:
+            self._nmt.state = own
+            self._announce(own)
+
+    def publish(self) -> None:
+        """Follow what has been changed in the communication area, then send what is new."""
+        if self.stale:
+            self._derive()
+        for publish in self.publishers:
+            publish()
+
+    def close(self) -> None:
+        """Fall silent."""
+        self.slave.clock.close()
+        self._tell(State.INITIALISING)
+
+    def _tell(self, state: State) -> None:
+        for listener in self._listeners:
+            listener(state)
+
+    def _announce(self, state: State) -> None:
+        self.state = state
+        self._tell(state)
+        for service in self._services:
+            service.on_state(state)
+        self._derive()
+
+    def _on_communication_change(self) -> None:
+        self.stale = True
+
+    def _derive(self) -> None:
+        self.stale = False
+        self.routes, self.publishers = {}, []
+        for service in self._services:
+            heard = list(service.listen())
+            if self.state not in service.active_in:
+                continue
+            for key, handle in heard:
+                self.routes.setdefault(key, []).append(handle)
+            if service.eventful:
+                self.publishers.append(service.publish)
+
+
+def _services(slave: Slave, device: Device, log: EmcyLog) -> Iterator[Service]:
+    """Those that nobody but the bus asks for anything, in the order in which they speak."""
+    yield HeartbeatConsumer(slave, device.on_heartbeat)
+    yield SdoServer(slave)
+    yield Sync(slave)
+    yield from device.pdos(slave)
+    yield EmcyProducer(slave, log, lambda: device.emergencies, device.farewell)
+    yield Store(slave, device.memory, device.stored, device)
+    yield from device.services(slave)
+
+
+COMMUNICATION_AREA = range(0x1000, 0x2000)
+EVERYTHING = range(0x1000, 0x10000)
+
+
+class Node:
+    """A device with power on or off; it needs a clock and somebody who empties the outbox."""
+
+    def __init__(
+        self, device: Device, clock: Clock, outbox: Outbox | None = None, name: str = "node"
+    ) -> None:
+        self.device = device
+        self.clock = clock
+        self.wire = Wire(clock, outbox, name)
+        self.faults = Faults(device.faults)  # a segment adds those around it
+        self.powered = False
+        self._stack: Stack | None = None  # none: silent, whatever the reason
+        self._before: Slave | None = None
+        self._afresh = True  # the next boot is one of the application, not of communication alone
+        self.log = EmcyLog()
+        self.listeners: list[Callable[[State], None]] = [device.on_state]  # hear of every state
+        self._cycle = microseconds(device.cycle)
+        self._stepped = clock.ticks
+        self._wake: float = inf
+        self._timer: Timer | None = None
+
+    @property
+    def slave(self) -> Slave | None:
+        """The dictionary in force, none while the node is silent."""
+        return None if self._stack is None else self._stack.slave
+
+    @property
+    def state(self) -> State:
+        """The NMT state; Initialisation also means silence, whatever its reason."""
+        return State.INITIALISING if self._stack is None else self._stack.state
+
+    @property
+    def node_id(self) -> int:
+        """The node id in force, or the one to boot with."""
+        return self.device.node_id if self._stack is None else self._stack.slave.node_id
+
+    def power_on(self) -> None:
+        """Switch the supply on; without effect if it is."""
+        if self.powered:
+            return
+        self.powered = True
+        self._stepped = self.clock.ticks
+        self.device.power_on()
+        self.faults.renew()
+        self._settle()
+
+    def power_off(self) -> None:
+        """Switch the supply off: what is not in the memory is lost."""
+        if not self.powered:
+            return
+        self._fall_silent()
+        self._afresh = True
+        self.device.power_off()
+        self.powered = False
+        self._disarm()
+
+    def receive(self, frame: Frame) -> None:
+        """Take a frame from the bus; what the node sends is in the outbox afterwards."""
+        stack, wire = self._stack, self.wire
+        if stack is None or frame.extended or wire.shut:
+            return
+        if wire.incoming:
+            through(wire.incoming, frame, self._take)
+        elif handlers := stack.routes.get((frame.can_id, frame.remote)):
+            self._act_on(frame, handlers)
+
+    def _take(self, frame: Frame) -> None:
+        """What the filters have let through, now or later."""
+        if self._stack is None or self.wire.shut:
+            return
+        if handlers := self._stack.routes.get((frame.can_id, frame.remote)):
+            self._act_on(frame, handlers)
+
+    def _act_on(self, frame: Frame, handlers: Sequence[Handler]) -> None:
+        self._catch_up()
+        self.device.on_frame()
+        for handle in handlers:
+            handle(frame)
+        self._settle()
+
+    def _on_time(self, action: Action) -> None:
+        """A timer of a service acts as a frame does."""
+        self._catch_up()
+        action()
+        self._settle()
+
+    @contextmanager
+    def acting(self) -> Iterator[Device]:
+        """Act on the device at this moment: time has passed before, news goes out after."""
+        if self.powered:
+            self._catch_up()
+        yield self.device
+        if self.powered:
+            self._settle()
+
+    def _catch_up(self) -> None:
+        elapsed = self.clock.ticks - self._stepped
+        if elapsed >= self._cycle:
+            elapsed -= elapsed % self._cycle
+            self._stepped += elapsed
+            self.device.step(elapsed / MICROSECONDS)
+
+    def _settle(self) -> None:
+        self._follow()
+        if self._stack is not None:
+            self._stack.publish()
+        if self._wake - self._stepped > self._cycle:  # it rests: does it still?
+            self._arm()
+
+    def _tick(self) -> None:
+        self._catch_up()
+        self._settle()
+        self._arm()
+
+    def _arm(self) -> None:
+        rest = self.device.rest * MICROSECONDS
+        wait = max(rest - rest % self._cycle, self._cycle) if isfinite(rest) else inf
+        if self._stepped + wait == self._wake:
+            return
+        self._disarm()
+        self._wake = self._stepped + wait
+        if isfinite(wait):
+            self._timer = self.clock.at_tick(int(self._wake), self._tick)
+
+    def _disarm(self) -> None:
+        self._wake = inf
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    def _follow(self) -> None:
+        """Boot, fall silent or reset as the device and the NMT master want it."""
+        stack = self._stack
+        if stack is None:
+            if self.device.online:
+                self._boot()
+        elif not self.device.online:
+            self._fall_silent()
+            self._afresh = True
+        elif stack.reset is not None:
+            self._reset(stack.reset)
+        else:
+            stack.follow()
+
+    def _reset(self, reset: Reset) -> None:
+        self._fall_silent()
+        self._afresh = reset is Reset.NODE
+        if reset is Reset.NODE:
+            self.device.reset_node()
+        else:
+            self.device.reset_communication()
+        if self.device.online:
+            self._boot()
+
+    def _boot(self) -> None:
+        """A fresh slave from the EDS and the stored parameters."""
+        device = self.device
+        scope = Scope(self.clock, self._on_time)
+        slave = Slave(device.dictionary(), device.node_id, self.wire, scope, device.profile)
+        if self._afresh:
+            self.log = EmcyLog()
+        elif self._before is not None:
+            slave.keep_application(self._before)
+        self._stack = Stack(slave, device, self.log, self.listeners)
+        area = EVERYTHING if self._afresh else COMMUNICATION_AREA
+        recall(slave, device.memory, device.stored, area)
+        self._stack.boot_up()
+
+    def _fall_silent(self) -> None:
+        if self._stack is not None:
+            self._before = self._stack.slave
+            self._stack.close()
+            self.wire.diary.enter(State.INITIALISING)
+            self._stack = None

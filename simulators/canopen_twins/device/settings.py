@@ -1,0 +1,109 @@
+"""Settings of a device: a frozen dataclass whose fields say what they mean and who assumed them."""
+
+from collections.abc import Mapping
+from dataclasses import Field, dataclass, field, fields, replace
+from math import inf
+from types import UnionType
+from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
+
+from canopen_twins.errors import UserError, unknown
+from canopen_twins.files.convert import convert
+
+Settings = TypeVar("Settings")
+
+
+def setting(  # noqa: PLR0913 - each is a word about one setting
+    default: Any,
+    text: str,
+    *,
+    unit: str = "",
+    assumed: str = "",
+    live: bool = False,
+    low: float = -inf,
+    high: float = inf,
+) -> Any:
+    """A field of a settings dataclass.
+
+    Args:
+        default: Its value when nobody says otherwise.
+        text: What it means, for `--help` and the docs.
+        unit: Of a number.
+        assumed: The number of the assumption behind the default, if no manual prints it.
+        live: Whether it may change while the device runs (`set` in a scenario).
+        low: The least number it takes.
+        high: The greatest.
+    """
+    return field(default=default, metadata={"about": About(text, unit, assumed, live, low, high)})
+
+
+@dataclass(frozen=True)
+class About:
+    """What is told of a setting beside its type and default."""
+
+    text: str
+    unit: str = ""
+    assumed: str = ""
+    live: bool = False
+    low: float = -inf
+    high: float = inf
+
+    @property
+    def range(self) -> str:
+        """The numbers it takes, in words; empty for any."""
+        if self.high < inf:
+            return f"{self.low} to {self.high}"
+        return f"{self.low} or more" if self.low > -inf else ""
+
+
+def about(entry: "Field[Any]") -> About:
+    """What is told of a field."""
+    told: About = entry.metadata["about"]
+    return told
+
+
+def changed(settings: Settings, given: Mapping[str, object], *, live: bool = False) -> Settings:
+    """The same settings with some given anew, each converted to the type of its field.
+
+    Raises:
+        UserError: an unknown name, a value of the wrong type or out of its range, or, with
+            `live`, a setting that cannot change while the device runs.
+    """
+    types = get_type_hints(type(settings))
+    known = {entry.name: entry for entry in fields(settings)}  # type: ignore[arg-type]
+    for name in given:
+        if name not in known:
+            raise unknown("setting", name, known)
+        if live and not about(known[name]).live:
+            raise UserError(f"setting {name!r} is taken over at power-on only")
+    converted = {name: _convert(name, value, types[name]) for name, value in given.items()}
+    for name, value in converted.items():
+        _check_range(name, value, about(known[name]))
+    return replace(settings, **converted)  # type: ignore[type-var]
+
+
+def _convert(name: str, value: object, kind: Any) -> object:
+    if get_origin(kind) is Literal:
+        return _choice(name, value, get_args(kind))
+    if isinstance(kind, UnionType):  # `int | None`
+        if value is None or value == "none":
+            return None
+        kind = next(option for option in get_args(kind) if option is not type(None))
+    return convert(f"setting {name!r}", value, kind)
+
+
+def _check_range(name: str, value: object, told: About) -> None:
+    if isinstance(value, (int, float)) and not told.low <= value <= told.high:
+        raise UserError(f"setting {name!r} is {told.range}, not {value}")
+
+
+def _choice(name: str, value: object, choices: tuple[object, ...]) -> object:
+    if value not in choices:
+        raise UserError(f"setting {name!r} is one of {', '.join(map(str, choices))}, not {value!r}")
+    return value
+
+
+@dataclass(frozen=True)
+class NodeSettings:
+    """The settings that every device has."""
+
+    node_id: int = setting(1, "node id the device is delivered with, 1..127")

@@ -1,0 +1,74 @@
+"""The devices there are: a package in this folder is one, and so is an entry point of a group.
+
+There is no list to extend: a device of this project brings a package here, one of somebody else's
+project an entry point in the group `canopen_twins.devices` (name = "package:Class").
+"""
+
+from functools import cache
+from importlib import import_module
+from importlib.metadata import EntryPoint, entry_points
+from pkgutil import iter_modules
+
+from canopen_twins.device.device import Device
+from canopen_twins.errors import UserError, unknown
+
+GROUP = "canopen_twins.devices"
+
+
+def names() -> list[str]:
+    """The names of all devices, also of those that `find` refuses."""
+    return sorted({*_shipped(), *_installed()})
+
+
+def find(name: str) -> type[Device]:
+    """The class of a device.
+
+    Raises:
+        UserError: there is no device of this name, or several, or it cannot be imported.
+    """
+    if name not in names():
+        raise unknown("device", name, names())
+    installed = _installed().get(name, ())
+    if name in _shipped() and not installed:
+        device: type[Device] = import_module(f"{__name__}.{name}").Device
+        return device
+    if name in _shipped() or len(installed) > 1:
+        owners = ["canopen-twins"] * (name in _shipped()) + [_owner(each) for each in installed]
+        raise UserError(f"device {name!r} comes from {' and from '.join(owners)}: remove one")
+    return _imported(installed[0])
+
+
+def create(name: str, **settings: object) -> Device:
+    """A device by its name, with its power off.
+
+    Raises:
+        UserError: no such device, or settings that are unknown or of the wrong kind.
+    """
+    return find(name)(**settings)
+
+
+@cache
+def _shipped() -> frozenset[str]:
+    return frozenset(module.name for module in iter_modules(__path__))
+
+
+@cache
+def _installed() -> dict[str, tuple[EntryPoint, ...]]:
+    found: dict[str, tuple[EntryPoint, ...]] = {}
+    for entry in entry_points(group=GROUP):
+        found[entry.name] = (*found.get(entry.name, ()), entry)
+    return found
+
+
+def _imported(entry: EntryPoint) -> type[Device]:
+    try:
+        device = entry.load()
+    except (ImportError, AttributeError) as failure:
+        raise UserError(f"device {entry.name!r} of {_owner(entry)}: {failure}") from failure
+    if not (isinstance(device, type) and issubclass(device, Device)):
+        raise UserError(f"device {entry.name!r} of {_owner(entry)}: {entry.value} is no Device")
+    return device
+
+
+def _owner(entry: EntryPoint) -> str:
+    return entry.dist.name if entry.dist else entry.value

@@ -1,0 +1,195 @@
+"""Eltex POWER CHARGER, types PCSC, PCMT, PCRT and PCTL, with its variants /A and /C."""
+
+import logging
+from collections.abc import Iterable, Mapping, Sequence
+from typing import cast
+
+from canopen import ObjectDictionary
+from canopen.objectdictionary import ODRecord, ODVariable
+
+from canopen_twins.device import device
+from canopen_twins.device.chart import Chart
+from canopen_twins.device.device import Message
+from canopen_twins.device.faults import Fault
+from canopen_twins.devices.charger import card, messages
+from canopen_twins.devices.charger import plant as unit
+from canopen_twins.devices.charger.actual_values import ActualValues
+from canopen_twins.devices.charger.card import CYCLE
+from canopen_twins.devices.charger.chart import chart
+from canopen_twins.devices.charger.control import Control
+from canopen_twins.devices.charger.faults import faults
+from canopen_twins.devices.charger.model.charger import Charger
+from canopen_twins.devices.charger.model.hours import MINUTE
+from canopen_twins.devices.charger.model.ticks import TICK
+from canopen_twins.devices.charger.network import Network, Place
+from canopen_twins.devices.charger.object_table import addresses, factory, file_name
+from canopen_twins.devices.charger.plant import Plant, quiet
+from canopen_twins.devices.charger.settings import Settings
+from canopen_twins.devices.charger.storage import Storage
+from canopen_twins.slave.dictionary import dictionary
+from canopen_twins.slave.emcy import Emcy
+from canopen_twins.slave.lss import LssSlave
+from canopen_twins.slave.object import Address, Object, Rejected
+from canopen_twins.slave.service import Service
+from canopen_twins.slave.slave import Slave
+
+log = logging.getLogger(__name__)
+
+LED_BAR = (0x2002, 0x1D)
+FACTORY_BIT_TIMING = 4  # 2002h:07h
+
+
+class Device(device.Device):
+    """The charger, its place on the bus, its memory, and what surrounds it."""
+
+    eds = "charger_pcsc.eds"
+    title = "Eltex POWER CHARGER high-voltage generator (CANopen protocol description)"
+    settings_type = Settings
+    settings: Settings
+    stored = (card.HEARTBEAT, CYCLE, LED_BAR)
+    cycle = TICK
+
+    def configure(self, **given: object) -> None:
+        """Change settings while the supply is off."""
+        super().configure(**given)
+        self.build = unit.build(self.settings)
+        self.eds = file_name(self.build)
+        self.catalogue = messages.catalogue(self.settings.messages)
+        self.profile = card.profile(self.settings)
+        self.plant = Plant()
+        self.power_on()
+
+    def check(self) -> None:
+        """What no range of a single setting can say."""
+        card.check(self.settings)
+        messages.catalogue(self.settings.messages)
+        quiet(self.settings)
+
+    @property
+    def node_id(self) -> int:
+        """In force; a reset may change it (A-34)."""
+        return self.network.active.node_id
+
+    @property
+    def objects(self) -> Mapping[Address, Object]:
+        """Everything that is not plain memory, of what this type and variant has."""
+        exists = addresses(self.build)
+        acting = {
+            **card.objects(self.settings),
+            **ActualValues(self.charger).objects,
+            **self.control.objects,
+            **self.network.objects,
+        }
+        return {address: acts for address, acts in acting.items() if address in exists}
+
+    @property
+    def emergencies(self) -> Sequence[Emcy]:
+        """Errors and warnings, latched until 2003h clears them."""
+        return tuple(map(messages.emcy, self.charger.messages.active))
+
+    @property
+    def messages(self) -> Mapping[str, Message]:
+        """Errors and warnings by kind and number."""
+        return messages.told(self.catalogue)
+
+    def farewell(self, gone: Emcy, register: int) -> Emcy:
+        """Every clear is confirmed by itself (A-36)."""
+        identified = self.settings.ack_payload == "identify"
+        return messages.acknowledgement(gone, register, identified=identified)
+
+    @property
+    def faults(self) -> Mapping[str, Fault]:
+        """Causes with their physics, and every message."""
+        return faults(self)
+
+    @property
+    def rest(self) -> float:
+        """Nothing moves in a charger that has settled."""
+        return self.charger.rest
+
+    @property
+    def report(self) -> Mapping[str, object]:
+        """The charger as its own display would show it."""
+        return {
+            **unit.display(self.charger),
+            "messages": [emcy.label for emcy in self.emergencies],
+            "bit rate [kbit/s]": self.network.bit_rate // 1000,
+        }
+
+    @property
+    def chart(self) -> Chart:
+        """Its outputs and the sparks, and the state of the release."""
+        return chart(self)
+
+    def dictionary(self) -> ObjectDictionary:
+        """The EDS of the type and variant, with the heartbeat as delivered (A-01)."""
+        od = super().dictionary()
+        cast(ODVariable, od[card.HEARTBEAT[0]]).default = self.settings.heartbeat_default_ms
+        return od
+
+    def pdos(self, slave: Slave) -> Iterable[Service]:
+        """One to receive, three to send in one cycle."""
+        silent = self.settings.tpdo3_without_discharge == "off" and not self.build.discharges
+        return card.pdos(slave, self.on_rpdo_refused, silent=silent)
+
+    def services(self, slave: Slave) -> Iterable[Service]:
+        """LSS changes node id and bit timing."""
+        yield LssSlave(slave, self.network)
+
+    def power_on(self) -> None:
+        """Cold, with what the memory has kept."""
+        entries = dictionary(self.eds, self.settings.node_id)[0x2002]
+        self.storage = Storage(self.memory, cast(ODRecord, entries).subindices)
+        self._factory = factory(self.build.kind)
+        self._find_place()
+        values, detector = self.storage.parameters(self._factory), unit.detector(self.settings)
+        self.charger = Charger(self.build, values, self.catalogue, detector)
+        self.charger.hours = self.storage.hours()
+        self._saved = self.charger.hours.operating // MINUTE
+        self.control = Control(self.charger)
+        self.apply()
+        for kind, key in self.charger.messages.unreported:
+            log.warning("%s %r has no message in the catalogue", kind.name.lower(), key)
+
+    def power_off(self) -> None:
+        """The hour counters survive."""
+        self.storage.save_hours(self.charger.hours)
+
+    def reset_node(self) -> None:
+        """81h is like power-on, but nothing cools down (A-26)."""
+        self._find_place()
+        self.charger.restart(self.storage.parameters(self._factory))
+
+    def reset_communication(self) -> None:
+        """82h leaves the application alone (A-26, A-49)."""
+        self.network.reset_communication()
+
+    def save(self) -> None:
+        """0x1010."""
+        self.storage.save_parameters(self.charger.parameters.__getitem__)
+        self.network.save()
+
+    def restore(self) -> None:
+        """0x1011: at once, and all but node id and bit timing (A-32)."""
+        self.storage.forget_parameters()
+        self.charger.load(self._factory)
+
+    def on_rpdo_refused(self, number: int, refusal: Rejected) -> None:
+        """What is no release locks (A-45)."""
+        self.control.on_rpdo_refused(refusal)
+
+    def apply(self) -> None:
+        """The surroundings follow at once."""
+        self.plant.surround(self.charger, self.settings)
+
+    def step(self, dt: float) -> None:
+        """Let time pass in the charger; its hour counters are kept by the minute."""
+        self.charger.step(dt)
+        minutes = self.charger.hours.operating // MINUTE
+        if minutes != self._saved:
+            self._saved = minutes
+            self.storage.save_hours(self.charger.hours)
+
+    def _find_place(self) -> None:
+        delivered = Place(self.settings.node_id, FACTORY_BIT_TIMING)
+        self.network = Network(self.storage.place(delivered), self.storage.save_place)

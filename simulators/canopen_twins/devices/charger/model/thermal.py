@@ -1,0 +1,157 @@
+"""Temperatures: each an exponential towards what the present losses would heat it to."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import exp, floor, log
+from typing import NamedTuple
+
+from canopen_twins.devices.charger.model.ticks import NEVER, TICK, whole_ticks
+from canopen_twins.devices.charger.model.types import Type
+
+AMBIENT = 25.0  # degC
+
+
+class Heat(NamedTuple):
+    """Heat from outside, such as a blocked fan, in K on top of each temperature."""
+
+    power_stage: float = 0.0
+    inside: float = 0.0
+    cascade: float = 0.0
+    discharging: float = 0.0
+
+
+@dataclass
+class Temperature:
+    """One sensor, worked out from the last change of the losses: exact for steps of any length."""
+
+    resistance: float  # K/W
+    time_constant: float  # s
+    _start: float = field(default=AMBIENT, init=False)  # degC
+    _end: float = field(default=AMBIENT, init=False)
+    _since: int = field(default=0, init=False)
+    _heat: float = field(default=0.0, init=False)
+
+    def at(self, now: int) -> float:
+        """The temperature at a tick, in degC."""
+        elapsed = (now - self._since) * TICK
+        course = (self._start - self._end) * exp(-elapsed / self.time_constant)
+        return self._end + course + self._heat
+
+    def lead(self, now: int, power: float, ambient: float, heat: float) -> None:
+        """From `now` on there is a loss of `power` (W) in a surrounding of `ambient` (degC)."""
+        end = ambient + self.resistance * power
+        if end != self._end:
+            self._start, self._end, self._since = self.at(now) - self._heat, end, now
+        self._heat = heat
+
+    def quiet(self, now: int) -> int:
+        """Ticks until another whole degree is reached, or a little less."""
+        present, end = self.at(now), self._end + self._heat
+        whole = floor(present)
+        falling = end < present
+        boundary = whole if falling else whole + 1
+        if not (end < boundary if falling else end > boundary):
+            return NEVER
+        seconds = self.time_constant * log((present - end) / (boundary - end))
+        return max(1, floor(seconds / TICK))
+
+
+CASCADE_LOSS = 0.05  # of the charging power
+SENSORS: Mapping[str, tuple[float, float]] = {  # K/W, s
+    "power_stage": (1.2, 600.0),
+    "inside": (0.6, 900.0),
+    "cascade": (6.0, 400.0),
+    "discharging": (20.0, 400.0),
+}
+
+
+class Heating:
+    """All sensors together."""
+
+    def __init__(self, *, discharging: bool) -> None:
+        self._sensors = {
+            name: Temperature(resistance, time_constant)
+            for name, (resistance, time_constant) in SENSORS.items()
+            if discharging or name != "discharging"
+        }
+
+    def at(self, now: int) -> Mapping[str, float]:
+        """Every temperature in degC."""
+        return {name: sensor.at(now) for name, sensor in self._sensors.items()}
+
+    def lead(self, now: int, losses: Mapping[str, float], ambient: float, heat: Heat) -> None:
+        """From `now` on there are these losses (W)."""
+        for name, sensor in self._sensors.items():
+            sensor.lead(now, losses[name], ambient, getattr(heat, name))
+
+    def quiet(self, now: int) -> int:
+        """Ticks until one of them reaches another whole degree."""
+        return min(sensor.quiet(now) for sensor in self._sensors.values())
+
+
+def losses(supply: float, charging: float, discharging: float) -> Mapping[str, float]:
+    """What heats each sensor, from the powers (W) drawn and delivered."""
+    stage = supply - charging - discharging
+    return {
+        "power_stage": stage,
+        "inside": stage,
+        "cascade": CASCADE_LOSS * charging,
+        "discharging": discharging,
+    }
+
+
+REVIEW = whole_ticks(1.0)
+SPAN = 15.0  # K from full power to none
+FULL_POWER_UP_TO = {"power_stage": 70.0, "discharging": 65.0}  # degC
+LOWEST_SUPPLY, FULL_SUPPLY = 18.0, 21.0  # V
+
+
+class Derating:
+    """2002h:0Ah and 20h in W, by the sensor that decides; worked out once a second (assumed)."""
+
+    def __init__(self, kind: Type) -> None:
+        self._maxima = {"power_stage": kind.power, "discharging": kind.power_discharging}
+        self._setpoints = dict(self._maxima)
+
+    @property
+    def charging(self) -> float:
+        """Power setpoint of the charging, W."""
+        return self._setpoints["power_stage"]
+
+    @property
+    def discharging(self) -> float:
+        """Power setpoint of the discharging, W."""
+        return self._setpoints["discharging"]
+
+    def review(self, now: int, temperatures: Mapping[str, float], supply_voltage: float) -> None:
+        """Work it out anew if the second is over."""
+        if now % REVIEW == 0:
+            self._setpoints = self._allowed(temperatures, supply_voltage)
+
+    def quiet(self, now: int, temperatures: Mapping[str, float], supply_voltage: float) -> int:
+        """Ticks until something may change."""
+        warm = any(
+            full <= temperatures.get(sensor, 0.0) < full + SPAN
+            for sensor, full in FULL_POWER_UP_TO.items()
+        )
+        if warm or self._allowed(temperatures, supply_voltage) != self._setpoints:
+            return REVIEW - now % REVIEW
+        return NEVER
+
+    def _allowed(
+        self, temperatures: Mapping[str, float], supply_voltage: float
+    ) -> dict[str, float]:
+        supply = _share((supply_voltage - LOWEST_SUPPLY) / (FULL_SUPPLY - LOWEST_SUPPLY))
+        return {
+            sensor: maximum * supply * _share(_coolness(sensor, temperatures))
+            for sensor, maximum in self._maxima.items()
+        }
+
+
+def _coolness(sensor: str, temperatures: Mapping[str, float]) -> float:
+    """1 up to where full power is allowed, 0 where none is; a sensor that is not there is cold."""
+    return (FULL_POWER_UP_TO[sensor] + SPAN - temperatures.get(sensor, 0.0)) / SPAN
+
+
+def _share(value: float) -> float:
+    return max(0.0, min(1.0, value))

@@ -1,0 +1,81 @@
+"""Settings of the charger twin; an A-number marks an assumption (docs/devices/charger.md)."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from canopen_twins.device.settings import NodeSettings, setting
+
+UNSIGNED32 = 0xFFFF_FFFF
+
+
+@dataclass(frozen=True)
+class Settings(NodeSettings):
+    """What can be chosen of a POWER CHARGER and of what surrounds it."""
+
+    node_id: int = setting(99, "0x2002:06 as delivered; a stored one wins", low=1, high=127)
+
+    # the charger
+    kind: Literal["PCSC", "PCMT", "PCRT", "PCTL"] = setting(
+        "PCSC", "type, as 0x1008 tells it", assumed="A-71"
+    )
+    variant: Literal["base", "A", "C"] = setting("base", "what follows the type: nothing, /A or /C")
+    variant_policy: Literal["letter", "superset"] = setting(
+        "letter",
+        "what a /C has for its discharging: what is printed for it, or all an /A has",
+        assumed="A-20",
+    )
+    messages: str = setting(
+        "", "YAML file with the numbers of chapters 6.1 and 6.2 instead of ours", assumed="A-37"
+    )
+    firmware: str = setting("0100", "0x100A, four characters", assumed="A-06")
+    product_code: int = setting(1, "0x1018:2", assumed="A-33", low=0, high=UNSIGNED32)
+    revision: int = setting(0x00010000, "0x1018:3", assumed="A-33", low=0, high=UNSIGNED32)
+    serial: int = setting(1, "0x1018:4", assumed="A-33", low=0, high=UNSIGNED32)
+
+    # what is around it
+    load: str = setting(
+        "bar", "charging electrode: bar, or resistor OHM", assumed="A-73", live=True
+    )
+    ambient: float = setting(
+        25.0, "temperature of the air", unit="degC", assumed="A-75", live=True, low=-273
+    )
+    web_width: float = setting(1.5, "of the material", unit="m", assumed="A-76", live=True, low=0)
+    web_speed: float = setting(0.0, "of the material", unit="m/s", assumed="A-76", live=True, low=0)
+    web_charge: float = setting(
+        5.0,
+        "what the material brings to the discharging bar",
+        unit="uC/m2",
+        assumed="A-76",
+        live=True,
+    )
+    bars: Literal["R60", "R60L", "other"] = setting(
+        "R60",
+        "series of the discharging bars; others cannot be watched for dirt (0x2002:28)",
+        assumed="A-77",
+    )
+
+    # what the manual leaves open
+    heartbeat_default_ms: int = setting(
+        1000, "0x1017 as delivered", unit="ms", assumed="A-01", low=0, high=60_000
+    )
+    heartbeat_step: Literal["reject", "floor"] = setting(
+        "reject", "a heartbeat that is no multiple of 100 ms", assumed="A-02"
+    )
+    tpdo3_without_discharge: Literal["send", "off"] = setting(
+        "send", "TPDO3 of a charger that cannot discharge", assumed="A-19"
+    )
+    tpdo_on_change: bool = setting(
+        False, "whether a changed value is sent between two cycles", assumed="A-24"
+    )
+    signature: Literal["cia301", "any"] = setting(
+        "cia301", 'what 0x1010 and 0x1011 want: "save" and "load", or anything', assumed="A-31"
+    )
+    ack_payload: Literal["identify", "zero"] = setting(
+        "identify", "error field of the EMCY that confirms a clear", assumed="A-36"
+    )
+    spark_value: Literal["percent", "number"] = setting(
+        "percent", "what Value is in the formula of the spark levels", assumed="A-56"
+    )
+    spark_classes: Literal["exclusive", "per_class", "cumulative"] = setting(
+        "exclusive", "how many counters one spark may raise", assumed="A-57"
+    )

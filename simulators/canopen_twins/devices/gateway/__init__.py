@@ -1,0 +1,198 @@
+"""Heinzmann governor behind its CANopen gateway (manual DG 04 005-e / 07-04): two control units."""
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from canopen import ObjectDictionary
+
+from canopen_twins.device import device
+from canopen_twins.device.chart import Chart
+from canopen_twins.device.device import Message
+from canopen_twins.device.faults import Fault
+from canopen_twins.devices.gateway import delivery
+from canopen_twins.devices.gateway.chart import chart
+from canopen_twins.devices.gateway.dcdesk import DcDesk
+from canopen_twins.devices.gateway.faults import faults
+from canopen_twins.devices.gateway.messages import MESSAGES, emergencies
+from canopen_twins.devices.gateway.model.state import MasterCommand
+from canopen_twins.devices.gateway.model.store import Store
+from canopen_twins.devices.gateway.model.system import System
+from canopen_twins.devices.gateway.model.timing import GRID
+from canopen_twins.devices.gateway.nonvolatile import NonVolatile
+from canopen_twins.devices.gateway.object_dictionary import (
+    OWN_NODE,
+    PARTNER,
+    PROFILE,
+    fill,
+    identify,
+    measured,
+)
+from canopen_twins.devices.gateway.report import report, silence
+from canopen_twins.devices.gateway.settings import Settings
+from canopen_twins.devices.gateway.traffic import STATES, Disturbance, Traffic
+from canopen_twins.slave.emcy import Emcy
+from canopen_twins.slave.object import Address, Object
+from canopen_twins.slave.service import Service, State
+from canopen_twins.slave.slave import Slave
+
+MICROSECOND = 1e-6  # s
+KILOWATT = 1e3  # W
+COMMANDS = {  # Figure 3
+    State.OPERATIONAL: MasterCommand.OPERATIONAL,
+    State.STOPPED: MasterCommand.STOP,
+    State.PRE_OPERATIONAL: MasterCommand.PRE_OPERATIONAL,
+}
+
+
+class Device(device.Device):
+    """Both units and what is wired to them; the state machine in the gateway rules the node."""
+
+    eds = "gateway.eds"
+    title = "Heinzmann digital governor behind a CANopen gateway (manual DG 04 005-e / 07-04)"
+    settings_type = Settings
+    settings: Settings
+    profile = PROFILE
+    cycle = GRID * MICROSECOND
+    system: System
+
+    def configure(self, **given: object) -> None:
+        """Deliver both units with these settings."""
+        super().configure(**given)
+        self.disturbance = Disturbance()
+        self._load_step = 0.0
+        self._deliver()
+
+    def check(self) -> None:
+        """What the files say, and whether the times fit."""
+        delivery.system(self.settings)
+        delivery.configuration(self.settings)
+
+    def _deliver(self) -> None:
+        self.system = delivery.system(self.settings)
+        delivered = delivery.configuration(self.settings)
+        self.nonvolatile = NonVolatile(self.system, delivered, self.memory)
+        self.apply()
+
+    def apply(self) -> None:
+        """What surrounds the engine follows at once."""
+        settings, governor = self.settings, self.system.governor
+        governor.engine.load = KILOWATT * (settings.load + self._load_step)
+        governor.operation.run = settings.run
+        governor.operation.local_setpoint = settings.speed
+        governor.operation.droop = settings.droop / 100
+
+    def step_load(self, kilowatts: float) -> None:
+        """Let consumers draw this much beside those of the settings."""
+        self._load_step = kilowatts
+        self.apply()
+
+    @property
+    def governor(self) -> DcDesk:
+        """DcDesk, connected to the governor."""
+        return DcDesk(self.system.governor, self.nonvolatile)
+
+    @property
+    def gateway(self) -> DcDesk:
+        """DcDesk, connected to the gateway."""
+        return DcDesk(self.system.gateway, self.nonvolatile)
+
+    @property
+    def node_id(self) -> int:
+        """Parameter 427 in force, or as the next start finds it."""
+        return self._parameters[OWN_NODE]
+
+    @property
+    def _parameters(self) -> Store:
+        gateway = self.system.gateway
+        return gateway.store.after_reset if gateway.programme is None else gateway.store
+
+    @property
+    def online(self) -> bool:
+        """Whether the gateway communicates: it is initialised by the governor (chapter 3)."""
+        return self.system.state in STATES
+
+    @property
+    def silence(self) -> str:
+        """What the units are about, and their errors."""
+        return silence(self.system)
+
+    @property
+    def nmt_state(self) -> State | None:
+        """The state of the gateway, which leaves Operational by itself as well (9.5)."""
+        return STATES.get(self.system.state)
+
+    @property
+    def rest(self) -> float:
+        """Until the next main cycle of a unit, or the next telegram between them."""
+        return self.system.rest
+
+    @property
+    def objects(self) -> Mapping[Address, Object]:
+        """Chapter 5, and the error register; everything else is fixed at initialisation."""
+        system = self.system
+        shown = self.settings.error_register == "bits"
+        register = Object(read=lambda: system.error_register if shown else 0)
+        return {(0x1001, 0): register, **measured(system)}
+
+    @property
+    def emergencies(self) -> Sequence[Emcy]:
+        """None, as the device; with the extension what 2005h and 1001h tell (A-01)."""
+        wanted = self.settings.emcy == "assumed"
+        return emergencies(self.system, self.node_id) if wanted else ()
+
+    @property
+    def messages(self) -> Mapping[str, Message]:
+        """The bits of 2005h."""
+        return MESSAGES
+
+    @property
+    def faults(self) -> Mapping[str, Fault]:
+        """Causes in the units, between them and around them."""
+        return faults(self)
+
+    @property
+    def report(self) -> Mapping[str, object]:
+        """Both units and the engine, as a service engineer and an operator see them."""
+        return report(self.system)
+
+    @property
+    def chart(self) -> Chart:
+        """The engine, and what the governor does with it."""
+        return chart(self)
+
+    def dictionary(self) -> ObjectDictionary:
+        """The EDS with what the handshake has created, or will create (A-03)."""
+        od = super().dictionary()
+        fill(od, self.system.dictionary or self.system.planned)
+        identify(od, self._parameters, self.system.gateway)
+        return od
+
+    def pdos(self, slave: Slave) -> Iterable[Service]:
+        """What is sent and when is the governor's business (4); it comes with all traffic."""
+        yield Traffic(slave, self.system, self._parameters[PARTNER], self.disturbance)
+
+    def power_on(self) -> None:
+        """Supply comes to both units; the engine stands (A-54)."""
+        self._deliver()
+        self.system.power_on()
+
+    def power_off(self) -> None:
+        """Supply goes; nothing is simulated until the next power-on (A-54)."""
+        self.system.power_off()
+
+    def reset_node(self) -> None:
+        """Init, not a reset of the control unit (A-08)."""
+        self.system.command(MasterCommand.RESET_NODE)
+
+    def reset_communication(self) -> None:
+        """The same (A-08)."""
+        self.system.command(MasterCommand.RESET_COMMUNICATION)
+
+    def on_state(self, state: State) -> None:
+        """A command of the master; what the gateway has entered by itself it is in already."""
+        if state in COMMANDS:
+            self.system.command(COMMANDS[state])
+
+    def step(self, dt: float) -> None:
+        """Let time pass in both units and in the engine."""
+        self.system.step(dt)
+        self.nonvolatile.keep_news()

@@ -1,0 +1,167 @@
+"""Configuration files: parameters by unit, each by its number or name, checked one by one."""
+
+import csv
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import cache, partial
+from pathlib import Path
+from typing import Any
+
+from canopen_twins.devices.gateway.model.assignment import Assignment, assignment
+from canopen_twins.devices.gateway.model.canopen_side import FirstTpdo
+from canopen_twins.devices.gateway.model.machines import Tables
+from canopen_twins.devices.gateway.model.options import Options
+from canopen_twins.devices.gateway.model.parameters import Catalogue, Unit, catalogue
+from canopen_twins.devices.gateway.model.scaling import Scaling, scaling
+from canopen_twins.devices.gateway.model.system import System
+from canopen_twins.devices.gateway.settings import Settings
+from canopen_twins.errors import UserError
+from canopen_twins.files.document import Item, Pair, understand, values
+from canopen_twins.files.shipped import od_file
+
+VERSION = 1
+UNITS = [unit.value for unit in Unit]
+
+
+def read_configuration(path: Path, known: Catalogue) -> Mapping[str, Mapping[int, float]]:
+    """The values of a file by unit and number.
+
+    Raises:
+        DocumentError: with a line for everything that is wrong, each with its place.
+    """
+    keys: dict[str, Callable[[Item], Any]] = {"version": _check_version}
+    keys |= {unit.value: partial(_values, unit=unit, known=known) for unit in Unit}
+
+    def content(file: Item) -> Mapping[str, Mapping[int, float]]:
+        taken = values(file, keys, optional=UNITS)
+        return {unit: taken[unit] for unit in UNITS if unit in taken}
+
+    return understand(path, content)
+
+
+def _check_version(version: Item) -> None:
+    if version.whole != VERSION:
+        raise version.wrong(f"version {version.text} is unknown; this is {VERSION}")
+
+
+def _values(item: Item, unit: Unit, known: Catalogue) -> Mapping[int, float]:
+    found: dict[int, float] = {}
+    for pair in item.pairs.values():
+        with item.problems.at(pair.key):
+            number, value = _value(pair, unit, known)
+            if number in found:
+                raise UserError(f"{pair.key.text} is parameter {number}, which stands above")
+            found[number] = value
+    return found
+
+
+def _value(pair: Pair, unit: Unit, known: Catalogue) -> tuple[int, float]:
+    try:
+        key = pair.key.value
+        parameter = known.find(unit, key if isinstance(key, int) else pair.key.text)
+    except ValueError as refusal:
+        raise pair.key.wrong(str(refusal)) from refusal
+    if not parameter.writable:
+        raise pair.key.wrong(f"{parameter.title}: is only shown")
+    try:
+        return parameter.number, parameter.checked(pair.value.number)
+    except ValueError as refusal:
+        raise pair.value.wrong(str(refusal)) from refusal
+
+
+LARGEST_FILE = 1 << 20  # bytes
+OWN_NODE = 427
+
+Content = Mapping[str, Mapping[int, float]]
+
+
+def system(settings: Settings) -> System:
+    """Both units with their power off and factory parameters.
+
+    Raises:
+        UserError: a file that cannot be used, or times that do not fit.
+    """
+    known = _parameters()
+    tables = Tables(known, _scaling(known, settings.scaling), _assignment(settings.error_bits))
+    options = Options(
+        governor_cycle=settings.governor_cycle,
+        boot_time=settings.boot_time,
+        lowest_voltage=settings.lowest_voltage,
+        first_tpdo=FirstTpdo(settings.first_tpdo),
+        always_armed=settings.arm == "operational",
+    )
+    try:
+        return System(tables, options)
+    except ValueError as refusal:
+        raise UserError(f"a setting in seconds: {refusal}") from refusal
+
+
+def configuration(settings: Settings) -> Content:
+    """The parameters both units are delivered with, as far as they are not those of the factory.
+
+    Raises:
+        UserError: with a line for everything that is wrong with the file.
+    """
+    content: Content = {}
+    if settings.config:
+        with _found(settings.config) as file:
+            content = read_configuration(file, _parameters())
+    if settings.node_id is None:
+        return content
+    return {**content, "gateway": {**content.get("gateway", {}), OWN_NODE: settings.node_id}}
+
+
+@contextmanager
+def _found(name: str) -> Iterator[Path]:
+    """A file, or one of od/ by its name."""
+    with od_file(name) as shipped:
+        yield shipped if shipped.exists() and not Path(name).exists() else Path(name)
+
+
+@cache
+def _parameters() -> Catalogue:
+    with od_file("gateway_parameters.csv") as path:
+        return catalogue(_rows(path))
+
+
+def _scaling(known: Catalogue, file: str) -> Scaling:
+    if not file:
+        return _shipped_scaling()
+    try:
+        return scaling(known, _rows(Path(file)))
+    except (OSError, ValueError) as refusal:
+        raise UserError(f"{file}: {refusal}") from refusal
+
+
+@cache
+def _shipped_scaling() -> Scaling:
+    with od_file("gateway_scaling.csv") as path:
+        return scaling(_parameters(), _rows(path))
+
+
+def _assignment(file: str) -> Assignment:
+    return understand(Path(file), _meaning) if file else _shipped_assignment()
+
+
+@cache
+def _shipped_assignment() -> Assignment:
+    with od_file("gateway_errors.yaml") as path:
+        return understand(path, _meaning)
+
+
+def _meaning(table: Item) -> Assignment:
+    content = table.content
+    try:
+        return assignment(content)
+    except ValueError as refusal:
+        raise UserError(str(refusal)) from refusal
+
+
+def _rows(path: Path) -> list[dict[str, str]]:
+    return list(csv.DictReader(_text(path).splitlines()))
+
+
+def _text(path: Path) -> str:
+    if path.stat().st_size > LARGEST_FILE:
+        raise ValueError(f"larger than {LARGEST_FILE} bytes")
+    return path.read_text("utf-8")

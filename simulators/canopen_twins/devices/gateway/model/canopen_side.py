@@ -1,0 +1,246 @@
+"""CAN2 controller of the gateway: what leaves, and how it gets over a bus fault (12423)."""
+
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import NamedTuple
+
+from canopen_twins.devices.gateway.model.assignment import Assignment
+from canopen_twins.devices.gateway.model.dictionary import DIGITAL, PARTNER_NODE, Dictionary, Entry
+from canopen_twins.devices.gateway.model.state import COMMUNICATING, Machine, State
+from canopen_twins.devices.gateway.model.store import Store
+from canopen_twins.devices.gateway.model.timing import MOST_HEARTBEAT_CYCLES, cycles
+
+BINARY_TPDOS = (1, 2, 3)
+
+
+class FirstTpdo(Enum):
+    """Whether a binary TPDO is sent without a change after entering Operational (A-15)."""
+
+    ALWAYS = "always"
+    NONZERO = "nonzero"
+    NEVER = "never"
+
+
+class Outputs:
+    """What the object dictionary holds, from its creation by the init telegrams on."""
+
+    def __init__(self, dictionary: Dictionary, assignment: Assignment, first: FirstTpdo) -> None:
+        self.dictionary = dictionary
+        self._assignment, self._first = assignment, first
+        self._values: dict[Entry, int] = {}
+        self._sent: dict[int, tuple[int, ...]] = {}
+        self._digital: tuple[int, ...] = (0,) * 7
+        self._shown = (0, 0)
+        self.news: list[TpdoFrame] = []
+        """The binary TPDOs with something new in them, by the last `show`."""
+
+    def begin(self) -> None:
+        """Operational was entered: the binary TPDOs begin anew."""
+        self._sent = {}
+
+    def value(self, index: int, sub: int) -> int:
+        """The value of a word of 2000h to 2004h; 0 before anything has come for it."""
+        if index == DIGITAL:
+            return self._digital[sub - 1]
+        return self._values.get(Entry(index, sub), 0)
+
+    def show(self, present: int, engine: int) -> None:
+        """Take over errors, bit k for 3000+k, and engine state; once per cycle of the governor."""
+        if self._sent and (present, engine) == self._shown:
+            self.news = []
+            return
+        self._shown = present, engine
+        self._digital = (*self._assignment.error_words(present), engine)
+        words = {n: self._words(n) for n in BINARY_TPDOS if n in self.dictionary.tpdos}
+        self.news = [TpdoFrame(n, each) for n, each in words.items() if self._is_new(n, each)]
+        self._sent = words
+
+    def take(self, entries: tuple[Entry, ...], words: tuple[int, ...]) -> None:
+        """Keep the words of a PDO in their objects."""
+        self._values |= dict(zip(entries, words, strict=True))
+
+    def _words(self, number: int) -> tuple[int, ...]:
+        entries = self.dictionary.tpdos[number].entries
+        return tuple(self.value(entry.index, entry.sub) for entry in entries)
+
+    def _is_new(self, number: int, words: tuple[int, ...]) -> bool:
+        if number in self._sent:
+            return words != self._sent[number]
+        return {
+            FirstTpdo.ALWAYS: True,
+            FirstTpdo.NONZERO: any(words),
+            FirstTpdo.NEVER: False,
+        }[self._first]
+
+
+RETRY_CYCLES = 31  # main cycles: half a second
+
+
+@dataclass(frozen=True)
+class BootUp:
+    """The boot-up message: initialised, or over a bus fault without heartbeats (A-10)."""
+
+
+@dataclass(frozen=True)
+class Heartbeat:
+    """The heartbeat that tells of the end of a bus fault; those in between are a matter of time."""
+
+    state: State
+
+
+class TpdoFrame(NamedTuple):
+    """A TPDO 1..16 with the words it carries."""
+
+    number: int
+    words: tuple[int, ...]
+
+
+Message = BootUp | Heartbeat | TpdoFrame
+
+
+@dataclass
+class Plug:
+    """The CANopen plug of the gateway: what was sent, and whether the bus is disturbed."""
+
+    outbox: list[Message] = field(default_factory=list)
+    """What is new, oldest first; whoever has put it on the bus clears the list."""
+    fault: bool = False
+
+
+@dataclass
+class CanopenBus:
+    """The CAN2 controller: once disturbed it is dead until it was initialised with success."""
+
+    plug: Plug
+    failed: bool = False
+    """3072."""
+    _age: int = 0
+
+    @property
+    def alive(self) -> bool:
+        """Whether frames get in and out."""
+        return not self.failed and not self.plug.fault
+
+    def send(self, message: Message) -> None:
+        """Send, or lose the message."""
+        if self.alive:
+            self.plug.outbox.append(message)
+
+    def step(self) -> None:
+        """One main cycle: notice a fault; initialise again every half second."""
+        if not self.failed:
+            self.failed, self._age = self.plug.fault, 0
+            return
+        self._age += 1
+        if self._age == RETRY_CYCLES:
+            self.failed, self._age = self.plug.fault, 0
+
+
+@dataclass
+class Consumer:
+    """Watches the partner in Operational."""
+
+    limit: int
+    """Main cycles after which the partner is missed; 0: it is not watched (428, 430)."""
+    always_armed: bool = False
+    """Whether it is missed even before its first heartbeat in Operational (A-19)."""
+    tripped: bool = False
+    _armed: bool = False
+    _age: int = 0
+
+    def begin(self) -> None:
+        """Operational was entered."""
+        self.tripped, self._armed, self._age = False, self.always_armed, 0
+
+    def receive(self) -> None:
+        """A heartbeat came; a trip is over."""
+        self.tripped, self._armed, self._age = False, True, 0
+
+    def step(self, state: State) -> None:
+        """One main cycle without a heartbeat."""
+        if state is State.OPERATIONAL and self._armed:
+            self._age += 1
+            self.tripped = self.tripped or 0 < self.limit < self._age
+
+
+HEARTBEAT_PERIOD, HEARTBEAT_LIMIT = 429, 430
+
+
+class CanopenSide:
+    """Which service works is decided by the state machine and by the health of the bus."""
+
+    def __init__(
+        self, plug: Plug, machine: Machine, settings: Store, cycle: int, *, always_armed: bool
+    ) -> None:
+        self.bus = CanopenBus(plug)
+        self.outputs: Outputs | None = None
+        """The values of the object dictionary, while there is one."""
+        self._machine = machine
+        self._digital = (0, 0)  # errors and engine state, told even before there is a dictionary
+        self._beats = bool(settings[HEARTBEAT_PERIOD])
+        limit = cycles(settings[HEARTBEAT_LIMIT], cycle, MOST_HEARTBEAT_CYCLES)
+        self.consumer = Consumer(limit if settings[PARTNER_NODE] else 0, always_armed)
+
+    @property
+    def listening(self) -> bool:
+        """Whether NMT is heard; the other services depend on the state."""
+        return self._machine.state in COMMUNICATING and self.bus.alive
+
+    @property
+    def operational(self) -> bool:
+        """Whether PDOs are exchanged."""
+        return self.listening and self._machine.state is State.OPERATIONAL
+
+    def create(self, outputs: Outputs) -> None:
+        """The init telegrams were accepted: there is a dictionary now."""
+        outputs.show(*self._digital)
+        self.outputs = outputs
+
+    def boot_up(self) -> None:
+        """Pre-Operational was entered from Init."""
+        self.bus.send(BootUp())
+
+    def begin_operation(self) -> None:
+        """Operational was entered."""
+        self.consumer.begin()
+        if self.outputs is not None:
+            self.outputs.begin()
+
+    def step(self) -> None:
+        """One main cycle: the partner's heartbeat, and the health of the bus."""
+        state = self._machine.state
+        self.consumer.step(state)
+        failed = self.bus.failed
+        self.bus.step()
+        if failed and not self.bus.failed and state in COMMUNICATING:  # A-10
+            self.bus.send(Heartbeat(state) if self._beats else BootUp())
+
+    def partner_heartbeat(self) -> None:
+        """A heartbeat of the watched partner, its boot-up included (A-19)."""
+        if self.bus.alive:
+            self.consumer.receive()
+
+    def mapped(self, rpdo: int) -> tuple[Entry, ...]:
+        """The entries of an RPDO 1..4 that is taken; none if it is not active, or nothing is."""
+        if self.outputs is None or not self.operational:
+            return ()
+        pdo = self.outputs.dictionary.rpdos.get(rpdo)
+        return () if pdo is None else pdo.entries
+
+    def show(self, present: int, engine: int) -> None:
+        """Errors and engine state of this cycle of the governor."""
+        self._digital = present, engine
+        if self.outputs is None:
+            return
+        self.outputs.show(present, engine)
+        if self.operational:
+            for frame in self.outputs.news:
+                self.bus.send(frame)
+
+    def send_tpdo(self, number: int, words: tuple[int, ...]) -> None:
+        """An analogue TPDO of the governor: keep its values, and send it on in Operational."""
+        if self.outputs is None:
+            return
+        self.outputs.take(self.outputs.dictionary.tpdos[number].entries, words)
+        if self.operational:
+            self.bus.send(TpdoFrame(number, words))

@@ -1,0 +1,125 @@
+"""DcDesk on one control unit: reads and changes parameters, saves them, clears errors (7 to 9)."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from canopen_twins.devices.gateway.model import bootloader
+from canopen_twins.devices.gateway.model.measurements import measured
+from canopen_twins.devices.gateway.model.parameters import Catalogue, Parameter
+from canopen_twins.devices.gateway.model.unit import ControlUnit, Life
+
+IDENTIFIER, LAST_IDENTIFIER = 3850, 3851
+PC_HIGH, PC_LOW = 2424, 2425
+SHOWN = (
+    2406,
+    PC_HIGH,
+    PC_LOW,
+    3600,
+    *range(3840, 3846),
+    IDENTIFIER,
+    LAST_IDENTIFIER,
+    3865,
+    *range(3895, 3899),
+)
+"""Measurements that nothing in the model makes."""
+
+
+class Desk:
+    """Gets and sets by number or name; everything that is refused is a ValueError of one line."""
+
+    def __init__(self, unit: ControlUnit[Any], catalogue: Catalogue) -> None:
+        self._unit, self._catalogue = unit, catalogue
+
+    def parameter(self, key: int | str) -> Parameter:
+        """The parameter with this number or name.
+
+        Raises:
+            ValueError: the unit has none.
+        """
+        return self._catalogue.find(self._unit.which, key)
+
+    def read(self, key: int | str) -> float:
+        """The value of a parameter, in its unit.
+
+        Raises:
+            ValueError: no such parameter, or the unit does not answer for it now.
+        """
+        parameter = self.parameter(key)
+        self._check_answering(parameter)
+        if parameter.writable:
+            return self._unit.store.shown(parameter.number)
+        return measured(self._unit, parameter.number)
+
+    def write(self, key: int | str, value: float) -> None:
+        """Change a parameter; it acts after `save` and a reset of the unit (7).
+
+        Raises:
+            ValueError: no such parameter, out of range, only shown, or no answer.
+        """
+        parameter = self._writable(key)
+        self._check_answering(parameter)
+        self._unit.store.edit(parameter.number, parameter.checked(value))
+
+    def checked(self, values: Mapping[Any, Any]) -> dict[int, float]:
+        """Values by number, from values by number or name.
+
+        Raises:
+            ValueError: no such parameter, out of range, only shown, or given twice.
+        """
+        found: dict[int, float] = {}
+        for key, value in values.items():
+            parameter = self._writable(key)
+            if parameter.number in found:
+                raise ValueError(f"{parameter.title}: is given twice")
+            found[parameter.number] = parameter.checked(value)
+        return found
+
+    def deliver(self, values: Mapping[int, float]) -> None:
+        """Keep checked values as if the unit had come with them; they act at the next reset."""
+        for number, value in values.items():
+            self._unit.store.edit(number, value)
+        self._unit.store.save()
+
+    def save(self) -> None:
+        """Keep what was changed, and which PC did it (8.3)."""
+        self._unit.store.save()
+        self._unit.shown[LAST_IDENTIFIER] = self._unit.shown[IDENTIFIER]
+
+    def show(self, key: int | str, value: float) -> None:
+        """Set what a measurement shows that nothing in the model makes: supply, versions, RAM test.
+
+        Raises:
+            ValueError: not one of these measurements, or out of range.
+        """
+        parameter = self.parameter(key)
+        if parameter.number not in SHOWN:
+            raise ValueError(f"{parameter.title}: comes about by itself")
+        self._unit.shown[parameter.number] = parameter.checked(value)
+
+    def connect(self, node: int = 0, identifier: int = 0) -> None:
+        """Connect a PC with DcDesk: node number on the HEINZMANN CAN, identification of the PC."""
+        nodes = 1 << node if node else 0
+        self._unit.shown |= {PC_HIGH: nodes >> 16, PC_LOW: nodes & 0xFFFF, IDENTIFIER: identifier}
+
+    def clear_errors(self) -> None:
+        """Clear all errors, which clears them in the other unit too (9.1)."""
+        if self._unit.programme is not None:
+            self._unit.programme.clear_errors()
+
+    def clear_error_memory(self) -> None:
+        """Clear the permanent error memory (9.2)."""
+        self._unit.memory.clear_counts()
+
+    def _writable(self, key: int | str) -> Parameter:
+        parameter = self.parameter(key)
+        if not parameter.writable:
+            raise ValueError(f"{parameter.title}: is only shown")
+        return parameter
+
+    def _check_answering(self, parameter: Parameter) -> None:
+        unit = self._unit
+        in_bootloader = unit.life is Life.BOOTLOADER and not unit.bootloader.silent
+        if unit.life is Life.RUNNING:
+            return
+        if not (in_bootloader and parameter.number in bootloader.PARAMETERS):
+            raise ValueError(f"{parameter.title}: no answer, the unit is {unit.life.value}")

@@ -1,0 +1,112 @@
+"""CANopen sensors and switch functions in the governor, and their monitoring (9.6, 9.7)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from canopen_twins.devices.gateway.model import errors
+from canopen_twins.devices.gateway.model.configuration import Sensor, SwitchFunction
+
+SWITCHES, FLAGS = 1, 3  # words of RPDO1 (4.2.1)
+
+
+@dataclass
+class Rpdo:
+    """What the governor knows of one RPDO in this Operational period."""
+
+    limit: int = 0
+    """Main cycles after which it is missed; 0 if it is not monitored or not active (A-37)."""
+    words: tuple[int, ...] = ()
+    arrived: bool = False
+    tripped: bool = False
+    _age: int = 0
+
+    def begin(self) -> None:
+        """Operational was entered: nothing counts that came before."""
+        self.words, self.arrived, self.tripped, self._age = (), False, False, 0
+
+    def receive(self, words: tuple[int, ...]) -> None:
+        """A telegram came; a trip is over."""
+        self.words, self.arrived, self.tripped, self._age = words, True, False, 0
+
+    def step(self) -> None:
+        """One main cycle in Operational without a telegram."""
+        self._age += 1
+        self.tripped = self.tripped or 0 < self.limit < self._age
+
+    def word(self, number: int) -> int:
+        """Word 1..4 of the last telegram; 0 if it had none."""
+        return self.words[number - 1] if number <= len(self.words) else 0
+
+
+class Inputs:
+    """Values of sensors and switch functions; those of a faulty one do not count."""
+
+    def __init__(
+        self,
+        sensors: Sequence[Sensor],
+        functions: Sequence[SwitchFunction],
+        limits: Sequence[int],
+    ) -> None:
+        self.sensors = {sensor.number: sensor for sensor in sensors}
+        self._errors = [
+            (each, errors.bit(errors.FIRST_SENSOR + each.number - 900)) for each in sensors
+        ]
+        self.functions = {function.number: function for function in functions}
+        self.rpdos = {number: Rpdo(limit) for number, limit in enumerate(limits, start=1)}
+        self.usable = False
+        """Operational, and the partner's heartbeat is not missed."""
+
+    def begin(self) -> None:
+        """Operational was entered."""
+        for rpdo in self.rpdos.values():
+            rpdo.begin()
+
+    def forgive(self) -> None:
+        """All errors were cleared; a cause that persists trips the monitoring again."""
+        for rpdo in self.rpdos.values():
+            rpdo.tripped = False
+
+    def step(self) -> None:
+        """One main cycle in Operational."""
+        for rpdo in self.rpdos.values():
+            rpdo.step()
+
+    @property
+    def tripped(self) -> bool:
+        """Whether a monitored RPDO is missed: 12413."""
+        return any(rpdo.tripped for rpdo in self.rpdos.values())
+
+    def faulty(self, sensor: Sensor) -> bool:
+        """Whether a sensor is without a valid value (9.6; before its first RPDO: A-17)."""
+        binary, analogue = self.rpdos[1], self.rpdos[sensor.rpdo]
+        return (
+            not self.usable
+            or not analogue.arrived
+            or analogue.tripped
+            or binary.tripped
+            or bool(binary.word(FLAGS) >> (sensor.channel - 1) & 1)
+        )
+
+    @property
+    def errors(self) -> int:
+        """The sensor errors, 3005 onward; bit k is error 3000+k."""
+        word = 0
+        for sensor, error in self._errors:
+            if self.faulty(sensor):
+                word |= error
+        return word
+
+    def value(self, number: int) -> int | None:
+        """The internal value of a sensor 900+s; None without CANopen, or while it is faulty."""
+        sensor = self.sensors.get(number)
+        if sensor is None or self.faulty(sensor):
+            return None
+        return self.rpdos[sensor.rpdo].word(sensor.word)
+
+    def active(self, number: int) -> bool:
+        """Whether a switch function is on; off if it is not assigned or faulty (9.7, A-32)."""
+        function = self.functions.get(number)
+        binary = self.rpdos[1]
+        if function is None or not self.usable or not binary.arrived or binary.tripped:
+            return False
+        return function.active(binary.word(SWITCHES))

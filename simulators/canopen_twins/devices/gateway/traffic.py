@@ -1,0 +1,91 @@
+"""Frames of the gateway beside SDO and NMT: PDOs, partner's heartbeat, end of a bus fault."""
+
+import struct
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import partial
+
+from canopen_twins.bus.frame import Frame
+from canopen_twins.devices.gateway.model.canopen_side import BootUp, Heartbeat, Message, TpdoFrame
+from canopen_twins.devices.gateway.model.state import State as GatewayState
+from canopen_twins.devices.gateway.model.system import System
+from canopen_twins.slave.heartbeat import STATE_BYTE
+from canopen_twins.slave.service import NODE_IDS, Listening, Service, State
+from canopen_twins.slave.slave import Slave
+
+STATES: Mapping[GatewayState, State] = {
+    GatewayState.PRE_OPERATIONAL: State.PRE_OPERATIONAL,
+    GatewayState.OPERATIONAL: State.OPERATIONAL,
+    GatewayState.STOPPED: State.STOPPED,
+}
+FLAG_WORD = 2  # word 3 of RPDO1 (4.2.1)
+
+
+@dataclass
+class Disturbance:
+    """What happens to frames before they reach the gateway."""
+
+    lost: set[int] = field(default_factory=set)
+    """RPDOs that do not arrive."""
+    flags: int = 0
+    """Bits set in word 3 of RPDO1, whatever the master sends there."""
+    partner: bool = False
+    """Whether heartbeats of the partner do not arrive."""
+
+
+class Traffic(Service):
+    """Brings frames to the model and its messages to the bus; shut while the bus is disturbed."""
+
+    def __init__(
+        self, slave: Slave, system: System, partner: int, disturbance: Disturbance
+    ) -> None:
+        super().__init__(slave)
+        self._system, self._partner, self._disturbance = system, partner, disturbance
+        known = system.dictionary
+        self._rpdos = {n: pdo.identifier for n, pdo in known.rpdos.items()} if known else {}
+        self._tpdos = {n: pdo.identifier for n, pdo in known.tpdos.items()} if known else {}
+        system.outbox.clear()  # the boot-up message is that of the NMT slave
+        slave.wire.shut = not system.listening
+
+    @property
+    def eventful(self) -> bool:
+        """The model may have sent something in every step."""
+        return True
+
+    def listen(self) -> Listening:
+        """RPDOs that are active, and the watched partner."""
+        for number, identifier in self._rpdos.items():
+            yield (identifier, False), partial(self._on_rpdo, number)
+        if self._partner in NODE_IDS:
+            yield (0x700 + self._partner, False), self._on_partner
+
+    def publish(self) -> None:
+        """Send what the model has sent, if it gets out."""
+        system, outbox = self._system, self._system.outbox
+        self.slave.wire.shut = not system.listening
+        if outbox:
+            for message in outbox:
+                self.slave.wire.put(self._frame(message))
+            outbox.clear()
+
+    def _frame(self, message: Message) -> Frame:
+        heartbeats = 0x700 + self.slave.node_id
+        match message:
+            case TpdoFrame(number, words):
+                return Frame(self._tpdos[number], struct.pack(f"<{len(words)}H", *words))
+            case Heartbeat(state):
+                return Frame(heartbeats, bytes([STATE_BYTE[STATES[state]]]))
+            case BootUp():
+                return Frame(heartbeats, b"\0")
+
+    def _on_rpdo(self, number: int, frame: Frame) -> None:
+        if number in self._disturbance.lost:
+            return
+        words = list(struct.unpack_from(f"<{len(frame.data) // 2}H", frame.data))
+        if number == 1 and len(words) > FLAG_WORD:
+            words[FLAG_WORD] |= self._disturbance.flags
+        self._system.receive_rpdo(number, tuple(words))
+
+    def _on_partner(self, frame: Frame) -> None:
+        if len(frame.data) == 1 and not self._disturbance.partner:  # A-29
+            self._system.partner_heartbeat()

@@ -1,0 +1,190 @@
+"""Regatron TopCon Quadro behind a TC.CANOPEN card (manual DO6130.0031 V02.62)."""
+
+from collections.abc import Mapping, Sequence
+from typing import cast
+
+from canopen import ObjectDictionary
+from canopen.objectdictionary import ODVariable
+
+from canopen_twins.device import device
+from canopen_twins.device.chart import Chart
+from canopen_twins.device.device import Message
+from canopen_twins.device.faults import Fault
+from canopen_twins.devices.topcon import card
+from canopen_twins.devices.topcon import units as unit_types
+from canopen_twins.devices.topcon.chart import chart
+from canopen_twins.devices.topcon.control import Control, Registers, Scale
+from canopen_twins.devices.topcon.faults import faults
+from canopen_twins.devices.topcon.messages import KINDS, PROTOCOL_ERROR, UNIT, CardErrors
+from canopen_twins.devices.topcon.model import Mode, OutputStage
+from canopen_twins.devices.topcon.panel import Panel
+from canopen_twins.devices.topcon.settings import Settings
+from canopen_twins.slave.emcy import Emcy
+from canopen_twins.slave.object import Abort, Address, Object, Rejected
+from canopen_twins.slave.service import State
+
+MODE_BIT = {Mode.OFF: 0, Mode.VOLTAGE: 1 << 1, Mode.CURRENT: 1 << 2, Mode.POWER: 1 << 3}  # Tab. 60
+SET_VALUES = range(0x2010, 0x2014)
+STORED = tuple((index, 0) for index in (0x2010, 0x2011, 0x2012, 0x2013, 0x2030, 0x2031))  # Tab. 45
+PARAMETER_REFUSALS = (Abort.INVALID_VALUE, Abort.TOO_HIGH, Abort.TOO_LOW, Abort.TOO_SHORT)
+
+
+class Device(device.Device):
+    """The card, and the unit it sits in: set values in, actual values out, errors told once."""
+
+    eds = "topcon.eds"
+    title = "Regatron TopCon Quadro DC supply (TC.CANOPEN manual DO6130.0031 V02.62)"
+    settings_type = Settings
+    settings: Settings
+    stored = STORED
+    cycle = OutputStage.tick
+
+    def configure(self, **given: object) -> None:
+        """Change settings while the unit is off; its switches are read at power-on (4.2, 4.3)."""
+        self._module_id: int | None = None
+        super().configure(**given)
+        self.profile = card.profile(self.settings)
+        self.power_on()
+
+    def check(self) -> None:
+        """What the settings are together, the unit type and the load among them."""
+        card.check(self.settings)
+        super().check()
+        unit_types.output_stage(self.settings)
+
+    @property
+    def node_id(self) -> int:
+        """The module id of the switches, as they stood at power-on (4.2)."""
+        return self._module_id or card.module_id(self.settings)
+
+    @property
+    def bit_rate(self) -> int:
+        """What switch BR stood at, at power-on, in bit/s (4.3)."""
+        return self._bit_rate
+
+    @property
+    def objects(self) -> Mapping[Address, Object]:
+        """Chapter 7.3, and what of 7.2 depends on the unit."""
+        stage, scale, settings = self.stage, self.scale, self.settings
+        return {
+            (0x1009, 0): Object(read=lambda: settings.hardware_version),
+            (0x100A, 0): Object(read=lambda: settings.firmware),
+            (0x1018, 4): Object(read=lambda: settings.serial),
+            **{(0x1800 + n, 1): Object(write=card.check_tpdo_cob_id) for n in range(4)},
+            **scale.nominal_values,
+            **self.control.objects,
+            (0x2020, 0): Object(read=lambda: scale.voltage.parts(stage.voltage)),
+            (0x2021, 0): Object(read=lambda: scale.current.parts(stage.current)),
+            (0x2022, 0): Object(read=lambda: scale.power.parts(stage.power)),
+            (0x2023, 0): Object(read=self._state_of_output),
+            **self.registers.objects,
+        }
+
+    @property
+    def emergencies(self) -> Sequence[Emcy]:
+        """Errors of the unit and of the card, latched until command 2."""
+        errors, card_errors = self.stage.errors, self.card_errors.active
+        return (*(UNIT[error] for error in errors), *card_errors) if errors else card_errors
+
+    @property
+    def messages(self) -> Mapping[str, Message]:
+        """The codes of chapter 8."""
+        return KINDS
+
+    @property
+    def faults(self) -> Mapping[str, Fault]:
+        """Causes with their physics, and every message of chapter 8."""
+        return faults(self)
+
+    @property
+    def rest(self) -> float:
+        """Nothing moves in a settled output stage."""
+        return self.stage.rest
+
+    @property
+    def report(self) -> Mapping[str, object]:
+        """The output as an instrument at the terminals would show it."""
+        stage = self.stage
+        return {
+            "state": stage.state.name,
+            "mode": stage.mode.name,
+            "voltage [V]": round(stage.voltage, 3),
+            "current [A]": round(stage.current, 3),
+            "power [W]": round(stage.power, 1),
+            "heat sink [degC]": round(stage.temperature, 2),
+            "errors": [f"{error:#05x}" for error in stage.errors],
+            "control": "panel" if self.panel.local else "bus",
+            "RS-232 of the card": "available" if self.panel.rs232_available else "closed",
+        }
+
+    @property
+    def chart(self) -> Chart:
+        """Voltage, current and power, and the state of the output stage."""
+        return chart(self)
+
+    def dictionary(self) -> ObjectDictionary:
+        """The EDS, with the range of set values the settings say."""
+        od = super().dictionary()
+        for index in SET_VALUES:
+            cast(ODVariable, od[index]).max = self.settings.set_value_range
+        return od
+
+    def power_on(self) -> None:
+        """The unit and its card start; switches are read now and not again."""
+        settings = self.settings
+        self._module_id = card.module_id(settings)
+        self._bit_rate = card.bit_rate(settings.br)
+        self.stage = unit_types.output_stage(settings)
+        self.scale = Scale(self.stage.unit)
+        self._register_values: dict[int, int] = {}
+        self._start_card()
+
+    def power_off(self) -> None:
+        """The output goes with the supply; nothing is simulated until the next power-on (A-76)."""
+        self.stage.stop()
+
+    def reset_node(self) -> None:
+        """The card starts anew and stops the output; errors of the unit stay (A-58, A-60)."""
+        self.stage.stop()
+        self._start_card()
+
+    def _start_card(self) -> None:
+        settings = self.settings
+        self.panel = Panel(settings.quiet_time, refuses=settings.local_write == "abort")
+        self.registers = Registers(settings.firmware, self._register_values, self.panel)
+        self.card_errors = CardErrors()
+        self.control = Control(self.stage, self.scale, self.panel, self.card_errors.reset, settings)
+        self.control.power_on_values()
+
+    def on_state(self, state: State) -> None:
+        """Operational takes control away from the panel (6)."""
+        self.control.on_state(state)
+
+    def on_frame(self) -> None:
+        """The bus is in use, so RS-232 is not (5)."""
+        self.panel.on_frame()
+
+    def on_rpdo_refused(self, number: int, refusal: Rejected) -> None:
+        """A parameter that exceeds its limit is told by EMCY (Tab. 82, A-37, A-41)."""
+        if refusal.code in PARAMETER_REFUSALS:
+            self.card_errors.add(PROTOCOL_ERROR.code)
+
+    def set(self, **given: object) -> None:
+        """Change what may change while the unit runs; the panel turns when it is named here."""
+        super().set(**given)
+        if "panel" in given:
+            self.panel.want(self.settings.panel == "local")
+
+    def apply(self) -> None:
+        """Load and ambient temperature follow at once, switches at power-on."""
+        unit_types.surround(self.stage, self.settings)
+
+    def step(self, dt: float) -> None:
+        """Let time pass in the unit."""
+        self.stage.step(dt)
+        self.panel.step(dt)
+
+    def _state_of_output(self) -> int:
+        stage = self.stage
+        bits = stage.running | MODE_BIT[stage.mode]
+        return bits | stage.warning << 14 | bool(stage.errors) << 15  # Tab. 60

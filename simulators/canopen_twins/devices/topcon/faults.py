@@ -1,0 +1,145 @@
+"""What can go wrong with a TopCon: causes with their physics, and every message of chapter 8."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, TypeVar
+
+from canopen_twins.device.faults import Fault, Parameter
+from canopen_twins.devices.topcon.messages import card_error, unit_error
+from canopen_twins.devices.topcon.model import OutputStage
+from canopen_twins.errors import UserError, unknown
+
+if TYPE_CHECKING:
+    from canopen_twins.devices.topcon import Device
+
+
+Meaning = TypeVar("Meaning")
+
+RAILS: Mapping[str, str] = {
+    "24V": "supply_24v",
+    "15V": "supply_15v",
+    "-15V": "supply_minus_15v",
+    "5V": "supply_5v",
+}
+SENSORS: Mapping[str, int] = {"rectifier": 0x50, "igbt": 0x51, "inside": 0x55}  # Tab. 71
+MAINS = range(100, 601)
+NUMBER = {"number": Parameter("error number of chapter 8, 0x00..0x1ff", kind=int)}
+
+
+def faults(device: Device) -> Mapping[str, Fault]:
+    """Every fault by its name.
+
+    The device is asked for its stage when a fault is used: power-on makes a new one.
+    """
+    return {**_connections(device), **_supplies(device), **_errors(device)}
+
+
+def _connections(device: Device) -> dict[str, Fault]:
+    """What is wrong with the cables of the unit."""
+    return {
+        "interlock_open": _condition(
+            device,
+            "The interlock opens: off at once, no RUN, no reset until it closes (EMCY 9000, F2).",
+            "interlock_closed",
+            False,
+        ),
+        "slave_silent": _condition(
+            device,
+            "A slave of the multi-unit system does not answer (EMCY 8100, 67).",
+            "slave_silent",
+            True,
+        ),
+        "sense_reversed": _condition(
+            device, "The sense lines are swapped (EMCY 3300, 33).", "sense_reversed", True
+        ),
+        "sense_offset": Fault(
+            "The voltage at the sense lines differs from that at the terminals (EMCY 3300, 31).",
+            lambda volts: setattr(device.stage, "sense_offset", volts),
+            lambda volts: _restore(device, "sense_offset"),
+            {"volts": Parameter("difference in V; 5 % of the nominal voltage are tolerated")},
+        ),
+    }
+
+
+def _supplies(device: Device) -> dict[str, Fault]:
+    """What leaves the range in which the unit works."""
+    return {
+        "mains": Fault(
+            "The mains leave 340..460 V (EMCY 3200, 49, 4A, 4D); with IBC also 48..62 Hz"
+            " (3100, 145, 144, 143, 142).",
+            lambda volts, hertz: _feed(device, _mains(volts), hertz),
+            lambda volts, hertz: _feed(device, OutputStage.mains, OutputStage.mains_frequency),
+            {
+                "volts": Parameter("between the phases, 100..600 V", OutputStage.mains),
+                "hertz": Parameter("40..70 Hz", OutputStage.mains_frequency, low=40, high=70),
+            },
+        ),
+        "supply": Fault(
+            "A supply inside the unit leaves its range of 10 % (EMCY 3200, 43..48, 4B, 4C).",
+            lambda rail, volts: setattr(device.stage, _one_of(RAILS, "rail", rail), volts),
+            lambda rail, volts: _restore(device, RAILS[rail]),
+            {"rail": Parameter(", ".join(RAILS), kind=str), "volts": Parameter("its voltage in V")},
+        ),
+        "overtemperature": Fault(
+            "A temperature sensor is above its limit (EMCY 4200).",
+            lambda sensor: device.stage.trip(_one_of(SENSORS, "sensor", sensor), held=True),
+            lambda sensor: device.stage.release(SENSORS[sensor]),
+            {"sensor": Parameter(", ".join(SENSORS), "igbt", str)},
+        ),
+    }
+
+
+def _errors(device: Device) -> dict[str, Fault]:
+    """Messages of chapter 8 without a cause of their own."""
+    return {
+        "error": Fault(
+            "Any error of the unit; its cause is gone at once, the error stays until the reset.",
+            lambda number: device.stage.trip(unit_error(number)),
+            parameters=NUMBER,
+        ),
+        "lasting_error": Fault(
+            "Any error of the unit; its cause lasts until the fault is cleared.",
+            lambda number: device.stage.trip(unit_error(number), held=True),
+            lambda number: device.stage.release(unit_error(number)),
+            NUMBER,
+        ),
+        "card_error": Fault(
+            "An error of the CAN card: told, but the output goes on.",
+            lambda code: device.card_errors.add(card_error(code)),
+            parameters={"code": Parameter("0x5000, 0x8110, 0x8111, 0x8112 or 0x8200", kind=int)},
+        ),
+        "warning": Fault(
+            "A warning of the unit: bit 14 of 0x2023 until the reset, no EMCY.",
+            lambda: device.stage.warn(),  # noqa: PLW0108 - power-on makes a new stage
+        ),
+    }
+
+
+def _condition(device: Device, text: str, name: str, wrong: bool) -> Fault:
+    return Fault(
+        text,
+        lambda: setattr(device.stage, name, wrong),
+        lambda: _restore(device, name),
+    )
+
+
+def _restore(device: Device, name: str) -> None:
+    """Back to what it is when all is well: the default of the output stage."""
+    setattr(device.stage, name, getattr(OutputStage, name))
+
+
+def _one_of(known: Mapping[str, Meaning], what: str, word: str) -> Meaning:
+    if word not in known:
+        raise unknown(what, word, known)
+    return known[word]
+
+
+def _feed(device: Device, volts: float, hertz: float) -> None:
+    device.stage.mains, device.stage.mains_frequency = volts, hertz
+
+
+def _mains(volts: float) -> float:
+    if not MAINS[0] <= volts <= MAINS[-1]:
+        raise UserError(f"mains of {volts} V: 100..600 V; without mains the unit is off")
+    return volts

@@ -1,0 +1,128 @@
+"""The voltage at the output node: one implicit Euler step, solved in closed form.
+
+    storage * (u - u_before) + u * bleeder + load(u) = converter(u)
+
+Left side rising, right side falling: there is one solution. Each limit of the converter makes
+a root of its own; the least of them holds, and idling is the floor under them all.
+"""
+
+from math import sqrt
+from typing import NamedTuple
+
+from canopen_twins.devices.topcon.model.loads import Line, Load, Open
+from canopen_twins.devices.topcon.model.modes import Mode
+from canopen_twins.devices.topcon.model.unit import UnitType
+
+
+class Law(NamedTuple):
+    """What the converter regulates at the terminals while it is on."""
+
+    voltage: float  # V, the ramped set value
+    resistance: float  # ohm
+    current: float  # A, the ramped set value or the derated maximum
+    power: float  # W
+    sink: float  # A it can take in
+
+
+class Solution(NamedTuple):
+    """The output at the end of a step."""
+
+    voltage: float  # V
+    current: float  # A into the load
+    mode: Mode
+
+
+def solve(law: Law | None, voltage: float, storage: float, bleeder: float, line: Line) -> Solution:
+    """The output one step after `voltage`, in V.
+
+    `storage` is the capacitance over the length of the step in A/V, `bleeder` the base load in
+    A/V, `law` is None while the converter is off.
+    """
+    conductance, offset, low, high = line
+    before = conductance * voltage + offset
+    after, mode = _node(law, voltage, storage + conductance, bleeder, before)
+    current = conductance * after + offset
+    if current > high or current < low:
+        current = high if current > high else low
+        after, mode = _node(law, voltage, storage, bleeder, current)
+    if after < 0.0:  # the output rectifier lets a winding freewheel
+        after, current = 0.0, min(max(offset, low), high)
+    return Solution(after, current, mode)
+
+
+def _node(
+    law: Law | None, voltage: float, slope: float, bleeder: float, load: float
+) -> tuple[float, Mode]:
+    """The node voltage when load and storage together take `load` + `slope` * change."""
+    if law is None:
+        return voltage - (load + bleeder * voltage) / (slope + bleeder), Mode.OFF
+    by_voltage = voltage + (law.voltage - voltage - law.resistance * load) / (
+        slope * law.resistance + 1.0
+    )
+    by_current = voltage + (law.current - load) / slope
+    held, mode = by_voltage, Mode.VOLTAGE
+    if by_current < by_voltage:
+        held, mode = by_current, Mode.CURRENT
+    if (slope * (held - voltage) + load) * held > law.power:
+        held, mode = _by_power(law.power, voltage, slope, load), Mode.POWER
+    idle = voltage - (load + bleeder * voltage + law.sink) / (slope + bleeder)
+    return max(held, idle), mode
+
+
+def _by_power(power: float, voltage: float, slope: float, load: float) -> float:
+    """Root of (load + slope * change) * (voltage + change) = power."""
+    middle = slope * voltage + load
+    root = sqrt((slope * voltage - load) ** 2 + 4.0 * slope * power)
+    if middle > 0.0:
+        return voltage + 2.0 * (power - voltage * load) / (middle + root)
+    return voltage + (root - middle) / (2.0 * slope)
+
+
+AGES = 1e9  # s: one implicit step of this length ends in the steady state
+STILL = 1e-9  # of full scale per step: slow enough to ask where it will end
+ARRIVED = 1e-6  # of full scale: 0.004 parts, nobody can see the rest of the way
+
+
+class Circuit:
+    """Voltage in V across the output, current in A into the load."""
+
+    def __init__(self, unit: UnitType) -> None:
+        self._unit = unit
+        self._load: Load = Open()
+        self.voltage = 0.0
+        self.current = 0.0
+        self.mode = Mode.OFF
+        self.drift = 0.0  # of full scale, during the last step
+        self.settled = True
+
+    def disturb(self) -> None:
+        """Another law holds from now on."""
+        self.settled = False
+
+    def step(self, dt: float, law: Law | None, load: Load) -> None:
+        """`dt` seconds under one law; where nothing is left to happen, the steady state exactly."""
+        if load is not self._load:
+            self._load, self.current = load, 0.0  # a winding just connected carries nothing
+        after = self._after(dt, law)
+        self.drift = self._distance(after)
+        self._adopt(after)
+        self.settled = False
+        if self.drift <= STILL:
+            end = self._after(AGES, law)
+            self.settled = self._distance(end) <= ARRIVED
+            if self.settled:
+                self._adopt(end)
+
+    def _after(self, dt: float, law: Law | None) -> Solution:
+        line = self._load.line(self.voltage, self.current, dt)
+        unit = self._unit
+        return solve(law, self.voltage, unit.capacitance / dt, 1.0 / unit.bleeder, line)
+
+    def _distance(self, other: Solution) -> float:
+        return max(
+            abs(other.voltage - self.voltage) / self._unit.nominal_voltage,
+            abs(other.current - self.current) / self._unit.maximum_current,
+        )
+
+    def _adopt(self, solution: Solution) -> None:
+        self.voltage, self.current, self.mode = solution

@@ -1,0 +1,180 @@
+"""How long a plant can be left alone: whether it moves, and when heat or I2t will act."""
+
+from dataclasses import dataclass, fields
+from math import ceil, inf
+from operator import attrgetter
+from typing import Any
+
+from canopen_twins.devices.topcon.model import error_numbers as number
+from canopen_twins.devices.topcon.model.modes import TRANSITIONS, Event, Mode, State
+from canopen_twins.devices.topcon.model.plant import HOT, WARM, Inputs, Plant, derated_at
+from canopen_twins.devices.topcon.model.protections import Latches
+
+TOUCH = 1.001  # the derated maximum bends the output from this much above the current on
+EVEN = 1e-4  # K: so near its end, the temperature moves the output by 0.01 parts at most
+SLOW = 1e-3  # of full scale a step: heat moves the output no faster
+CREEP = 0.01  # s in one go while it does
+
+
+def settled(plant: Plant) -> bool:
+    """Whether voltage and current will stay as they are."""
+    return plant.circuit.settled and _ramped(plant) and not _heat_bends_output(plant)
+
+
+def ahead(plant: Plant) -> float:
+    """Seconds that can pass in one go: 0 while something moves, inf if nothing ever will."""
+    if settled(plant):
+        return _quiet(plant)
+    creeps = plant.circuit.drift <= SLOW and _ramped(plant) and _heat_bends_output(plant)
+    return CREEP if creeps else 0.0
+
+
+def _quiet(plant: Plant) -> float:
+    """Seconds until a settled plant reaches its next level of heat or I2t."""
+    end = plant.heat.end(plant.loss, plant.ambient)
+    bend = derated_at(TOUCH * plant.circuit.current / plant.unit.maximum_current)
+    current, limit = plant.circuit.current, plant.unit.i2t_limit
+    return min(
+        *(plant.heat.time_to(level, end) for level in (WARM, bend, HOT)),
+        *(plant.store.time_to(level, current) for level in (limit / 2, limit)),
+    )
+
+
+def _ramped(plant: Plant) -> bool:
+    reached = plant.ramps.reached(plant.voltage_reference, plant.current_reference)
+    return reached or not plant.running
+
+
+def _heat_bends_output(plant: Plant) -> bool:
+    if plant.heat.temperature < WARM or not plant.running:
+        return False
+    end = plant.heat.end(plant.loss, plant.ambient)
+    touches = plant.derated_maximum <= TOUCH * plant.circuit.current
+    return touches and abs(end - plant.heat.temperature) > EVEN
+
+
+inputs_of = attrgetter(*(part.name for part in fields(Inputs)))
+
+
+@dataclass(eq=False)
+class OutputStage(Plant):
+    """Power-on makes a new one. Set values and surroundings are assigned: see `Inputs`."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._latches = Latches(self, self.tick)
+        self._owed = 0.0  # ticks gone by that have not been simulated
+        self._calm: Any = None  # the inputs, when with them nothing happens for the time `_ahead`
+        self._ahead = 0.0
+        if not self._boot_left:
+            self._fire(Event.BOOTED)
+
+    @property
+    def errors(self) -> tuple[int, ...]:
+        """Error numbers in the order they came, latched until reset."""
+        return tuple(self._latches.errors)
+
+    @property
+    def warning(self) -> bool:
+        """Latched as an error is, but the output stays on (A-53)."""
+        return self._latches.warning
+
+    @property
+    def blocked(self) -> bool:
+        """Whether `run` would do nothing: powering up, error, open interlock."""
+        return self.state in (State.POWERUP, State.ERROR) or not self.interlock_closed
+
+    def run(self) -> None:
+        """Output on, from zero. Nothing while blocked (A-47), or when it is on already."""
+        if not self.blocked and not self.running:
+            self.ramps.restart()
+            self.circuit.mode = Mode.VOLTAGE
+            self._fire(Event.RUN)
+            self._follow_latches()
+
+    def stop(self) -> None:
+        """Output off, at once."""
+        self._fire(Event.STOP)
+
+    def reset(self) -> None:
+        """Forget errors and warning as far as their cause is gone (A-49); starts nothing."""
+        self._latches.reset(self)
+        if not self.errors:
+            self._fire(Event.CLEAR)
+        self._follow_latches()
+
+    def trip(self, error: int, held: bool = False) -> None:
+        """Raise an error from outside; when held, its cause lasts until `release`.
+
+        Raises ValueError for a number of more than nine bits (chapter 8).
+        """
+        if not 0 <= error <= number.LAST:
+            raise ValueError(f"error number {error:#x} is not in 0..{number.LAST:#x}")
+        if held:
+            self._latches.hold(error)
+        self._latches.latch(error)
+        self._follow_latches()
+
+    def release(self, error: int) -> None:
+        """End the cause of a held error; the error itself waits for a reset."""
+        self._latches.release(error)
+
+    def warn(self) -> None:
+        """Raise the warning from outside."""
+        self._latches.warning = True
+        self._follow_latches()
+
+    @property
+    def rest(self) -> float:
+        """Seconds that need no step: 0 while something moves, inf if nothing ever will again."""
+        if self._calm is None or self._calm != inputs_of(self):
+            return 0.0
+        return self._ahead
+
+    def step(self, dt: float) -> None:
+        """`dt` seconds, of any length; what is less than a tick waits for the next call."""
+        self._owed += dt / self.tick
+        while (due := int(self._owed + 1e-6)) > 0:
+            rest = self.rest
+            ticks = max(1, ceil(min(rest / self.tick, due) - 1e-6))
+            self._owed -= ticks
+            if rest and settled(self):
+                self.coast(ticks)
+                self._ahead = rest - ticks * self.tick
+                if self._ahead > 1e-6 * self.tick:
+                    continue  # what is watched cannot have changed before that time is over
+            else:
+                self.flow(ticks)
+            self._supervise()
+            self.mains_before = self.mains
+            self._look_ahead()
+
+    def _look_ahead(self) -> None:
+        undisturbed = 0.0 if self._latches.pending else ahead(self)
+        self._ahead = min(undisturbed, self._boot_left or inf)
+        self._calm = inputs_of(self) if undisturbed else None
+
+    def _supervise(self) -> None:
+        if self.state is State.POWERUP:
+            if not self._boot_left:
+                self._fire(Event.BOOTED)
+            return
+        self._latches.step(self)
+        self._follow_latches()
+
+    @property
+    def _boot_left(self) -> float:
+        return max(0, ceil(self.boot_time / self.tick - 1e-6) - self.ticks) * self.tick
+
+    def _follow_latches(self) -> None:
+        if self._latches.errors:
+            self._fire(Event.TRIP)
+        if self._latches.warning:
+            self._fire(Event.WARN)
+
+    def _fire(self, event: Event) -> None:
+        was_running = self.running
+        self.state = TRANSITIONS[self.state].get(event, self.state)
+        if self.running is not was_running:
+            self.circuit.disturb()
+            self._calm = None

@@ -1,0 +1,1 @@
+"""Frames and refusals in words, with the section of the manual."""

@@ -1,0 +1,194 @@
+"""What stands in the line: filters for both directions, and the frames of others."""
+
+from collections.abc import Mapping
+from functools import partial
+
+from canopen_twins.bus.frame import STANDARD_IDS, Frame, length, pattern
+from canopen_twins.bus.wire import Onward, Wire
+from canopen_twins.device.faults import Parameter
+from canopen_twins.device.node import Node
+from canopen_twins.faults.disturbance import (
+    AIM,
+    Disturbance,
+    Effect,
+    Filtering,
+    Fits,
+    Kind,
+    Place,
+    Side,
+    Turn,
+    corrupted,
+    doubled,
+    jittered,
+    late,
+    lost,
+)
+
+
+class LineFilter(Filtering):
+    """Both what the node sends and what it hears."""
+
+    both_ways = True
+    side = Side.LINE
+
+
+class Repeating(LineFilter):
+    """Only what the node sends."""
+
+    both_ways = False
+
+
+class Swapped(LineFilter):
+    """Holds a frame back until the next one that fits has passed it."""
+
+    _waiting: tuple[Frame, Onward] | None = None
+
+    @property
+    def over(self) -> bool:
+        """Nothing waits any more."""
+        return super().over and self._waiting is None
+
+    def __call__(self, frame: Frame, onward: Onward) -> None:
+        """Let the one that waits follow the one that comes."""
+        if self._waiting is None or not self._running or not self._fits(self.node, frame):
+            super().__call__(frame, onward)
+            return
+        (held, its_way), self._waiting = self._waiting, None
+        onward(frame)
+        its_way(held)
+
+    def strike(self, frame: Frame, onward: Onward) -> None:
+        """This one waits."""
+        self._waiting = frame, onward
+
+
+class BusOff(LineFilter):
+    """Neither sends nor hears, until the recovery."""
+
+    def __init__(self, place: Place, seconds: float) -> None:
+        super().__init__(place.node, anything, lost, Turn())
+        self._seconds = seconds
+        self._recovered = False
+
+    @property
+    def over(self) -> bool:
+        """The node is on the bus again."""
+        return self._recovered
+
+    def start(self) -> None:
+        """Off the bus, for a while or until cleared."""
+        super().start()
+        if self._seconds:
+            self.clock.after(self._seconds, self._recover)
+
+    def _recover(self) -> None:
+        self._running = False
+        self._recovered = True
+
+
+class Load(Disturbance):
+    """Frames that concern nobody, so many that they take a share of the bus."""
+
+    def __init__(self, place: Place, percent: float, kilobits: int, cob_id: int) -> None:
+        super().__init__(place.node)
+        self._wire = Wire(place.node.clock, place.node.wire.outbox, "load")
+        self._frame = Frame(cob_id, b"\x55" * 8)
+        self._period = length(self._frame) / (1000 * kilobits) * 100 / percent
+
+    def start(self) -> None:
+        """The first one comes after a period."""
+        self.clock.every(self._period, partial(self._wire.put, self._frame))
+
+
+def looks_like(text: str) -> Fits:
+    """Frames of this look.
+
+    Raises:
+        UserError: it is no pattern.
+    """
+    look = pattern(text)
+    return lambda node, frame: look.fullmatch(str(frame)) is not None
+
+
+def anything(node: Node, frame: Frame) -> bool:
+    """Every frame."""
+    return True
+
+
+LOOK = "185#D007xxxx: x is any digit, * any rest"
+FRAME = {"frame": Parameter(LOOK, "xxx#*", str)}
+ONE_AFTER_THE_OTHER = {"frame": Parameter(LOOK, kind=str)}
+SECONDS = Parameter("by how much, in s", 0.01, low=0)
+
+
+def line(place: Place, effect: Effect, frame: str, **turn: int) -> Filtering:
+    """Strikes the frames that look like a pattern, whoever sends them."""
+    return LineFilter(place.node, looks_like(frame), effect, Turn(**turn))
+
+
+LINE: Mapping[str, Kind] = {
+    "frame_lost": Kind(
+        "A frame does not arrive.",
+        "A gap: a request to be repeated, a cycle missed, a time-out.",
+        {**FRAME, **AIM},
+        lambda place, frame, **turn: line(place, lost, frame, **turn),
+    ),
+    "frame_doubled": Kind(
+        "A frame arrives twice.",
+        "The same once more: no second action, no toggle error, no answer to what it did not ask.",
+        {**FRAME, **AIM},
+        lambda place, frame, **turn: line(place, doubled, frame, **turn),
+    ),
+    "frame_late": Kind(
+        "A frame arrives late; others may overtake it.",
+        "Old data after new, an answer after the time-out.",
+        {"seconds": SECONDS, **FRAME, **AIM},
+        lambda place, seconds, frame, **turn: line(place, late(seconds), frame, **turn),
+    ),
+    "frame_jitter": Kind(
+        "Frames arrive late, each by another time; none overtakes another.",
+        "Irregular cycles: no alarm below the limit, one above.",
+        {"seconds": SECONDS, **FRAME, **AIM},
+        lambda place, seconds, frame, **turn: line(
+            place, jittered(place.node.clock, seconds, turn["seed"]), frame, **turn
+        ),
+    ),
+    "frame_swapped": Kind(
+        "A frame and the next one like it change places.",
+        "The older one last: an old value is not to win over a new one.",
+        {**ONE_AFTER_THE_OTHER, **AIM},
+        lambda place, frame, **turn: Swapped(place.node, looks_like(frame), lost, Turn(**turn)),
+    ),
+    "frame_corrupt": Kind(
+        "Bits of the data are inverted behind the CRC, as by a faulty controller or gateway.",
+        "A value that cannot be: out of its limits, not plausible; an answer that is none.",
+        {"bits": Parameter("how many of its bits", 1, int, low=1, high=64), **FRAME, **AIM},
+        lambda place, bits, frame, **turn: line(
+            place, corrupted(bits, turn["seed"]), frame, **turn
+        ),
+    ),
+    "error_passive": Kind(
+        "The node is error passive: all it sends has to be repeated and comes late, in order.",
+        "Irregular cycles of one node; EMCY 0x8120 if the device knows it (compose: emcy_storm).",
+        {"seconds": Parameter("at most by how much, in s", 0.005, low=0), **AIM},
+        lambda place, seconds, **turn: Repeating(
+            place.node, anything, jittered(place.node.clock, seconds, turn["seed"]), Turn(**turn)
+        ),
+    ),
+    "bus_off": Kind(
+        "The node is bus off: it neither sends nor hears, and goes on as it was after that.",
+        "Silence, then heartbeats again without a boot-up: nothing of its state may be assumed.",
+        {"seconds": Parameter("until it recovers, in s; 0: when cleared", 0.0, low=0)},
+        BusOff,
+    ),
+    "bus_load": Kind(
+        "Frames of others take a share of the bus.",
+        "Interrupts and queues that fill: no frame of this node may be lost.",
+        {
+            "percent": Parameter("their share of the bus", 50.0, low=0.1, high=100),
+            "kilobits": Parameter("bit rate of the bus, in kbit/s", 250, int, 10, 1000),
+            "cob_id": Parameter("their identifier", 0x7FE, int, low=1, high=STANDARD_IDS[-1]),
+        },
+        Load,
+    ),
+}

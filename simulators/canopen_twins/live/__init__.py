@@ -1,0 +1,1 @@
+"""Twins in real time, on buses of python-can."""

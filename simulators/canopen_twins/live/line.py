@@ -1,0 +1,138 @@
+"""A python-can bus that may fail: it is opened again and again, and frames get lost meanwhile."""
+
+import logging
+import time
+from collections import deque
+from collections.abc import Callable
+from contextlib import suppress
+
+import can
+from can.interfaces.udp_multicast import UdpMulticastBus
+
+from canopen_twins.bus.frame import Frame
+from canopen_twins.errors import UserError
+
+log = logging.getLogger(__name__)
+
+OpenBus = Callable[[], can.BusABC]
+
+FAILURES = (can.CanError, OSError)
+SHORTEST_PAUSE, LONGEST_PAUSE = 0.1, 5.0  # seconds until the next attempt to open the bus
+MOST_ECHOES = 256  # own frames that are waited for; older ones have been lost
+
+
+class Line:
+    """What the nodes of a segment send and hear through the bus."""
+
+    def __init__(self, open_bus: OpenBus) -> None:
+        """Raises `UserError` if the bus cannot be opened."""
+        self._open = open_bus
+        self._bus: can.BusABC | None = None
+        self._echoes: deque[Frame] | None = None  # own frames a bus will bring back, if it does
+        self._failing = False
+        self._pause = SHORTEST_PAUSE
+        self._next_attempt = 0.0
+        try:
+            self._connect()
+        except FAILURES as failure:
+            raise UserError(f"the bus cannot be opened: {_words(failure)}") from failure
+
+    def transmit(self, frame: Frame, sender: str) -> None:
+        """Send what comes from a node; lost while the bus fails."""
+        if self._bus is None or not sender:
+            return
+        if self._echoes is not None:
+            self._echoes.append(frame)
+        try:
+            self._bus.send(
+                Message(
+                    arbitration_id=frame.can_id,
+                    is_extended_id=frame.extended,
+                    is_remote_frame=frame.remote,
+                    data=frame.data,
+                )
+            )
+        except FAILURES as failure:
+            self._fail(failure)
+            return
+        if self._failing:
+            self._recover()
+
+    def receive(self, wait: float) -> Frame | None:
+        """The next frame that is not our own, none if there is none within `wait` seconds."""
+        if self._bus is None:
+            self._reopen(wait)
+            return None
+        try:
+            message = self._bus.recv(wait)
+        except FAILURES as failure:
+            self._fail(failure)
+            return None
+        if message is None or message.is_error_frame or message.is_fd:
+            return None
+        extended, remote = message.is_extended_id, message.is_remote_frame
+        frame = Frame(message.arbitration_id, bytes(message.data), remote, extended)
+        if self._echoes is not None and frame in self._echoes:
+            self._echoes.remove(frame)
+            return None
+        return frame
+
+    def close(self) -> None:
+        """Leave the bus."""
+        if self._bus is not None:
+            with suppress(*FAILURES):
+                self._bus.shutdown()
+        self._bus = None
+
+    def _connect(self) -> None:
+        self._bus = bus = self._open()
+        self._echoes = deque(maxlen=MOST_ECHOES) if _echoes(bus) else None
+
+    def _reopen(self, wait: float) -> None:
+        left = self._next_attempt - time.monotonic()
+        if left > 0:
+            time.sleep(min(left, wait))
+            return
+        try:
+            self._connect()
+        except FAILURES as failure:
+            self._fail(failure)
+
+    def _fail(self, failure: Exception) -> None:
+        if not self._failing:
+            log.error("the bus has failed, trying again until it works: %s", _words(failure))
+        else:
+            log.info("the bus still fails: %s", _words(failure))
+        self.close()
+        self._failing = True
+        self._next_attempt = time.monotonic() + self._pause
+        self._pause = min(2 * self._pause, LONGEST_PAUSE)
+
+    def _recover(self) -> None:
+        """A frame has been sent: a bus that can be opened, or heard, need not work."""
+        log.warning("the bus works again")
+        self._failing = False
+        self._pause = SHORTEST_PAUSE
+
+
+class Message(can.Message):
+    """A message that is cheap to copy: python-can's virtual bus makes deep copies."""
+
+    __slots__ = ()
+
+    def __deepcopy__(self, memo: object) -> can.Message:
+        return can.Message(
+            arbitration_id=self.arbitration_id,
+            is_extended_id=self.is_extended_id,
+            is_remote_frame=self.is_remote_frame,
+            data=bytearray(self.data),
+        )
+
+
+def _echoes(bus: can.BusABC) -> bool:
+    """Whether a bus gives the sender its own frames back, which nothing marks as such."""
+    return isinstance(bus, UdpMulticastBus) or getattr(bus, "receive_own_messages", False)
+
+
+def _words(failure: Exception) -> str:
+    return str(failure) or type(failure).__name__

@@ -1,0 +1,70 @@
+"""Twins on a python-can bus, in real time, on the calling thread."""
+
+import logging
+import time
+from collections.abc import Callable
+
+from canopen_twins.bus.segment import Segment
+from canopen_twins.device.node import Node
+from canopen_twins.live.line import Line, OpenBus
+
+log = logging.getLogger(__name__)
+
+LONGEST_WAIT = 0.02  # seconds until `stopped` is asked again
+LONGEST_GAP = 1.0  # seconds of real time that are made up for
+
+
+def serve(
+    segment: Segment[Node],
+    open_bus: OpenBus,
+    stopped: Callable[[], bool],
+    ready: Callable[[], None] | None = None,
+) -> None:
+    """Run the nodes of a segment on a bus until `stopped` says so; it is asked every 20 ms.
+
+    What the nodes have sent before, such as their boot-up, goes out first; `ready` is called after
+    that. A bus that fails is opened again and again, while time goes on for the nodes.
+
+    Raises:
+        UserError: the bus cannot be opened at the start.
+    """
+    line = Line(open_bus)
+    segment.listeners.append(line.transmit)
+    try:
+        segment.deliver()
+        if ready is not None:
+            ready()
+        drive(segment, line, stopped)
+    finally:
+        segment.listeners.remove(line.transmit)
+        line.close()
+
+
+def drive(
+    segment: Segment[Node],
+    line: Line,
+    stopped: Callable[[], bool],
+    wall: Callable[[], float] = time.monotonic,
+) -> None:
+    """Let a segment keep pace with the seconds of `wall` and hear what comes over a line.
+
+    The clock goes on by one deadline at a time: a model that is late leaves room for frames. After
+    a gap, as of a suspended process, it goes on from where it stood.
+    """
+    clock, receive, advance_to, send = segment.clock, line.receive, segment.advance_to, segment.send
+    reached = clock.now
+    origin = wall() - reached
+    while not stopped():
+        due = clock.next_deadline
+        left = due - wall() + origin
+        frame = receive(LONGEST_WAIT if left > LONGEST_WAIT else max(left, 0.0))
+        gap = wall() - origin - reached
+        if gap > LONGEST_GAP:
+            log.warning("%.1f s of real time are left out: suspended, or too slow", gap)
+            origin += gap
+            gap = 0.0
+        reached = min(reached + gap, due)
+        advance_to(reached)
+        if frame is not None:
+            send(frame)
+    advance_to(clock.now)  # what the last frame has set off at once

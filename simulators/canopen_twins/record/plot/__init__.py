@@ -1,0 +1,68 @@
+"""A picture of a run: set and actual values, states, emergencies, faults, and the verdict.
+
+Drawn by matplotlib, which comes with the extra `plot` and is imported for a picture only.
+"""
+
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+
+from canopen_twins.bus.segment import Segment
+from canopen_twins.device.node import Node
+from canopen_twins.errors import UserError
+from canopen_twins.record.plot.observer import Observer
+from canopen_twins.record.plot.page import page
+from canopen_twins.record.plot.run import Run
+from canopen_twins.scenario.player import Player
+
+__all__ = ["Plot"]
+
+SUFFIXES = (".html", ".png", ".svg")
+
+
+class Plot:
+    """The picture of one run: `begin` when it begins, `save` when it is over."""
+
+    def __init__(self, path: Path) -> None:
+        """Raises `UserError` if there can be no picture, before anything has run."""
+        self._suffix = path.suffix.lower()
+        if self._suffix not in SUFFIXES:
+            raise UserError(f"{path} is no picture: its name ends with {', '.join(SUFFIXES)}")
+        if not path.parent.is_dir():
+            raise UserError(f"{path}: there is no directory {path.parent}")
+        self._path = path
+        self._draw = _drawing()
+        self._observers: list[Observer] = []
+
+    def begin(self, segment: Segment[Node], player: Player | None) -> None:
+        """Look at the nodes of a segment from now on; an observer of `play` and of `again`."""
+        self._observers.append(Observer(segment, player))
+
+    def save(self) -> None:
+        """Write the file.
+
+        Raises:
+            UserError: it cannot be written.
+        """
+        try:
+            self._path.write_bytes(self._content())
+        except OSError as failure:
+            raise UserError(f"{self._path} cannot be written: {failure.strerror}") from failure
+
+    def _content(self) -> bytes:
+        (observer,) = self._observers
+        run = observer.run
+        if self._suffix == ".html":
+            return page(run, self._draw(run, "svg").decode()).encode()
+        return self._draw(run, self._suffix[1:])
+
+
+def _drawing() -> Callable[[Run, str], bytes]:
+    try:
+        module = import_module("canopen_twins.record.plot.figure")
+    except ModuleNotFoundError as missing:
+        if (missing.name or "").partition(".")[0] != "matplotlib":
+            raise
+        raise UserError("a picture needs the extra: pip install 'canopen-twins[plot]'") from missing
+    picture: Callable[[Run, str], bytes] = module.picture
+    return picture

@@ -1,0 +1,327 @@
+"""Where labels go on a time axis, so that none lies upon another."""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from math import floor, inf, log10
+from typing import TYPE_CHECKING, NamedTuple
+
+from canopen_twins.device.chart import Band
+from canopen_twins.record.plot import look
+from canopen_twins.record.plot.look import AXIS, MOST_ROWS, PAD, width_of
+from canopen_twins.record.plot.run import Points, Run, Span, Strip, View, joined
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+class Label(NamedTuple):
+    """A text at a mark or a bar, all in inches of the axis."""
+
+    text: str
+    at: float
+    """Where the text begins, or ends if it is `flipped`."""
+    left: float
+    right: float
+    """What text and bar take together."""
+    flipped: bool = False
+
+
+def label(text: str, start: float, end: float) -> Label:
+    """Within a bar if there is room, else to its right, else to its left; a mark has no width."""
+    width = width_of(text)
+    if end - start >= width:
+        return Label(text, start + PAD, start, end)
+    if end + width <= AXIS:
+        return Label(text, end + PAD, start, end + width)
+    return Label(text, start - PAD, start - width, end, flipped=True)
+
+
+def rows(labels: Sequence[Label]) -> list[int]:
+    """For each the first row in which there is room; `MOST_ROWS` if there is none."""
+    taken = [-inf] * MOST_ROWS
+    found = []
+    for each in labels:
+        row = next((row for row, right in enumerate(taken) if right <= each.left), MOST_ROWS)
+        if row < MOST_ROWS:
+            taken[row] = each.right
+        found.append(row)
+    return found
+
+
+EDGE = 0.6  # points
+BAR = 0.8  # of a row
+NARROWEST = 2 / 1000  # of the axis: what is shorter can still be seen
+
+
+class Lane:
+    """The first row is at the top; each has a name on its left."""
+
+    def __init__(self, run: Run, names: Sequence[str]) -> None:
+        self.run = run
+        self.names = names
+
+    @property
+    def height(self) -> float:
+        """Inches."""
+        return look.LANE * len(self.names)
+
+    def draw(self, axes: "Axes") -> None:
+        """Into axes of its height, over the time of the run."""
+        axes.set_ylim(len(self.names), 0)
+        axes.set_yticks([row + 0.5 for row in range(len(self.names))], self.names)
+        axes.tick_params(left=False)
+        axes.spines["left"].set_visible(False)
+
+    def inches(self, time: float) -> float:
+        """Where a time is on the axis."""
+        return look.AXIS * time / self.run.duration
+
+    def seconds(self, inches: float) -> float:
+        """The time at a place of the axis."""
+        return self.run.duration * inches / look.AXIS
+
+    def bars(
+        self, axes: "Axes", spans: Iterable[Span], row: int, colour: str, edge: str = ""
+    ) -> None:
+        """From when to when."""
+        least = NARROWEST * self.run.duration
+        widths = [(span.start, max(span.end - span.start, least)) for span in spans]
+        place = (row + (1 - BAR) / 2, BAR)
+        axes.broken_barh(widths, place, facecolor=colour, edgecolor=edge or colour, lw=EDGE)
+
+    def write(self, axes: "Axes", told: Label, row: int, colour: str = look.INK) -> None:
+        """A label where it has been placed."""
+        axes.text(
+            self.seconds(told.at),
+            row + 0.5,
+            told.text,
+            color=colour,
+            ha="right" if told.flipped else "left",
+            va="center_baseline",
+        )
+
+
+DIGITS = 4  # of an axis
+AIR = 0.08  # of the height of an axis
+BESIDE = -0.055  # of the axis: where the labels stand, one below the other
+
+
+class CurvePanel:
+    """One quantity of a node."""
+
+    height = look.CURVE
+
+    def __init__(self, run: Run, view: View, strip: Strip) -> None:
+        self.run, self.view, self.strip = run, view, strip
+
+    def draw(self, axes: "Axes") -> None:
+        """Into axes of its height, over the time of the run."""
+        curve, strip = self.strip.curve, self.strip
+        axes.set_ylabel(f"{curve.label}\n[{curve.unit}]" if curve.unit else curve.label)
+        axes.yaxis.set_label_coords(BESIDE, 0.5)
+        axes.grid(color=look.PALE, lw=0.4)
+        axes.locator_params(axis="y", nbins=5)
+        self._events(axes)
+        if strip.wanted is not None:
+            self._line(axes, "set", strip.wanted.points, look.SET, "--")
+        self._line(axes, "actual", strip.actual.points, look.ACTUAL, "-")
+        axes.set_ylim(self._ends)
+        axes.legend(
+            loc="upper left", bbox_to_anchor=(1, 1), frameon=False, handlelength=1.5, reverse=True
+        )
+
+    @property
+    def _ends(self) -> tuple[float, float]:
+        """Of the axis: zero is on it, and there is air above and below."""
+        tracks = [self.strip.actual, *([self.strip.wanted] if self.strip.wanted else [])]
+        values = [point.value or 0.0 for track in tracks for point in track.points]
+        low, high = min(0.0, *values), max(0.0, *values)
+        if low == high:
+            high = 1.0
+        air = AIR * (high - low)
+        return low - air, high + air
+
+    def _line(
+        self, axes: "Axes", name: str, points: Points[float | None], colour: str, style: str
+    ) -> None:
+        """In steps, as the value holds until the next; its last one is told."""
+        times = [point.time for point in points] + [self.run.duration]
+        values = [point.value for point in points] + [points[-1].value]
+        numbers = [float("nan") if value is None else value for value in values]
+        (line,) = axes.plot(times, numbers, color=colour, ls=style, lw=1.3, drawstyle="steps-post")
+        line.set_label(f"{name} → {self._told(values[-1])}")
+        line.set_gid(identifier(self.view.name, self.strip.curve.label, name))
+
+    def _told(self, value: float | None) -> str:
+        """As exactly as the axis can be read."""
+        if value is None:
+            return "none"
+        low, high = self._ends
+        digits = DIGITS - 1 - floor(log10(high - low))
+        return f"{round(value, digits) + 0.0:g} {self.strip.curve.unit}".strip()  # never -0
+
+    def _events(self, axes: "Axes") -> None:
+        for span in joined(span for _, span in self.run.faults(self.view)):
+            axes.axvspan(span.start, span.end, color=look.FAULT, alpha=0.25, lw=0)
+        emergencies = [each.time for each in self.view.emergencies]
+        failed = [each.time for each in self.run.failed]
+        height = axes.get_xaxis_transform()
+        axes.vlines(emergencies, 0, 1, color=look.EMCY, lw=0.8, ls=":", transform=height)
+        axes.vlines(failed, 0, 1, color=look.FAILED, lw=1, transform=height)
+
+
+def identifier(*words: str) -> str:
+    """Of an element of the picture."""
+    return re.sub(r"[^A-Za-z0-9.]+", "-", ".".join(words)).lower()
+
+
+class Marks(Lane):
+    """Moments or times that have a label, in as many rows as that takes."""
+
+    colour = look.INK
+
+    def __init__(self, run: Run, name: str, told: Sequence[tuple[str, Span]]) -> None:
+        super().__init__(run, [])
+        self.spans = [span for _, span in told]
+        self.labels = [
+            label(text, self.inches(span.start), self.inches(span.end)) for text, span in told
+        ]
+        self.rows = rows(self.labels)
+        self.last = min(max(self.rows, default=0), look.MOST_ROWS - 1)
+        self.names = [name, *[""] * self.last]
+
+    def draw(self, axes: "Axes") -> None:
+        """What finds no row is marked in the last one, without its label."""
+        super().draw(axes)
+        for told, row in zip(self.labels, self.rows, strict=True):
+            if row < look.MOST_ROWS:
+                self.write(axes, told, row, self.colour)
+        self.mark(axes, [min(row, self.last) for row in self.rows])
+
+    def mark(self, axes: "Axes", places: Sequence[int]) -> None:
+        """What the labels belong to, each in its row."""
+        raise NotImplementedError
+
+
+class Emergencies(Marks):
+    """A line for every EMCY, with its code."""
+
+    colour = look.EMCY
+
+    def __init__(self, run: Run, view: View) -> None:
+        told = [(f"{each.code:04X}h", _moment(each.time)) for each in view.emergencies]
+        super().__init__(run, "EMCY", told)
+
+    def mark(self, axes: "Axes", places: Sequence[int]) -> None:
+        """Below the lines through the curves."""
+        times = [span.start for span in self.spans]
+        tops, ends = [row + 0.1 for row in places], [row + 0.9 for row in places]
+        axes.vlines(times, tops, ends, color=self.colour, lw=1)
+
+
+class Faults(Marks):
+    """A bar for every fault, from the moment it is injected to the one when it is gone."""
+
+    def __init__(self, run: Run, view: View) -> None:
+        super().__init__(run, "faults", run.faults(view))
+
+    def mark(self, axes: "Axes", places: Sequence[int]) -> None:
+        """The bars."""
+        for row in range(self.last + 1):
+            spans = [span for span, place in zip(self.spans, places, strict=True) if place == row]
+            self.bars(axes, spans, row, look.FAULT, look.EDGE_OF_FAULT)
+
+
+class Expectations(Marks):
+    """A dot for what came as expected, a cross and its line in the file for what did not."""
+
+    colour = look.FAILED
+
+    def __init__(self, run: Run) -> None:
+        told = [(f"{each.kind} line {each.line}", _moment(each.time)) for each in run.failed]
+        super().__init__(run, "expected", told)
+
+    def mark(self, axes: "Axes", places: Sequence[int]) -> None:
+        """The crosses; the dots are in the first row, hollow for what was left out."""
+        for outcomes, inside, edge in (
+            (self.run.passed, look.PASSED, look.PASSED),
+            (self.run.skipped, "white", look.INK),
+        ):
+            times = [each.time for each in outcomes]
+            first = [0.5] * len(times)
+            axes.plot(times, first, "o", mfc=inside, mec=edge, ms=4, clip_on=False)
+        times = [span.start for span in self.spans]
+        middles = [row + 0.5 for row in places]
+        axes.plot(times, middles, "x", color=self.colour, ms=6, mew=2, clip_on=False)
+
+
+def _moment(time: float) -> Span:
+    return Span(time, time)
+
+
+SWATCH = 0.15  # inches
+
+
+class States(Lane):
+    """NMT state and, if the device tells it, its own."""
+
+    def __init__(self, run: Run, view: View) -> None:
+        self.tracks = {"NMT": view.nmt.points}
+        if view.state is not None:
+            self.tracks["device"] = view.state.points
+        super().__init__(run, list(self.tracks))
+
+    def draw(self, axes: "Axes") -> None:
+        """Bars, with what they mean inside where there is room."""
+        super().draw(axes)
+        for row, points in enumerate(self.tracks.values()):
+            self._draw_row(axes, row, points)
+
+    def _draw_row(self, axes: "Axes", row: int, points: Points[Band]) -> None:
+        lasting = list(self.run.lasting(points))
+        for mood, colour in look.MOODS.items():
+            spans = [span for span, band in lasting if band.mood is mood]
+            self.bars(axes, spans, row, colour)
+        for span, band in lasting:
+            start, end = self.inches(span.start), self.inches(span.end)
+            if end - start >= look.width_of(band.label):
+                told = label(band.label, start, end)
+                self.write(axes, told, row, look.WRITING.get(band.mood, look.INK))
+
+
+class Entry(NamedTuple):
+    """A state in the legend, so many inches from the left."""
+
+    row: int
+    left: float
+    band: Band
+
+
+class Legend(Lane):
+    """Each state that there was, once, by the colour it has in the bars."""
+
+    def __init__(self, run: Run, states: States) -> None:
+        found = [[point.value for point in points] for points in states.tracks.values()]
+        bands = [band for each in found for band in sorted(each, key=lambda band: band.mood)]
+        self.entries = list(_flowing(dict.fromkeys(bands)))
+        super().__init__(run, [""] * (self.entries[-1].row + 1))
+
+    def draw(self, axes: "Axes") -> None:
+        """In lines, as a text."""
+        super().draw(axes)
+        axes.set_axis_off()
+        for row, left, band in self.entries:
+            right = left + SWATCH
+            swatch = Span(self.seconds(left), self.seconds(right))
+            self.bars(axes, [swatch], row, look.MOODS[band.mood])
+            self.write(axes, Label(band.label, right + look.PAD, left, right), row)
+
+
+def _flowing(bands: Iterable[Band]) -> Iterator[Entry]:
+    row, left = 0, 0.0
+    for band in bands:
+        width = SWATCH + look.width_of(band.label)
+        if left + width > look.AXIS:
+            row, left = row + 1, 0.0
+        yield Entry(row, left, band)
+        left += width

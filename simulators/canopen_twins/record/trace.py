@@ -1,0 +1,194 @@
+"""The frames of a record or of a trace file, one after the other."""
+
+import gzip
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from io import TextIOWrapper
+from pathlib import Path
+from typing import IO, Any, NamedTuple
+
+import can
+from can.io.generic import BinaryIOMessageReader, MessageWriter, TextIOMessageReader
+from can.io.player import MESSAGE_READERS
+
+from canopen_twins.bus.clock import microseconds
+from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.segment import Segment
+from canopen_twins.device.node import Node
+from canopen_twins.errors import UserError
+from canopen_twins.files.whole import file_part
+from canopen_twins.scenario import Player
+
+PACKED = ".gz"
+LONGEST_LINE = 1 << 16  # characters
+
+
+class TimedFrame(NamedTuple):
+    """A frame and its moment."""
+
+    tick: int
+    """Microseconds."""
+    frame: Frame
+
+
+class Lines(TextIOWrapper):
+    """A text whose lines are as long as those of a trace, whatever it is."""
+
+    def __next__(self) -> str:  # type: ignore[override]
+        line = self.readline(LONGEST_LINE)
+        if len(line) == LONGEST_LINE:
+            raise ValueError(f"a line of {LONGEST_LINE} characters or more")
+        if not line:
+            raise StopIteration
+        return line
+
+
+READERS = {
+    suffix: kind
+    for suffix, kind in MESSAGE_READERS.items()
+    if issubclass(kind, (TextIOMessageReader, BinaryIOMessageReader))
+}
+
+
+def read_frames(path: Path) -> Iterator[TimedFrame]:
+    """What a trace file of a format of python-can holds, packed or not, without error frames.
+
+    Raises:
+        UserError: it is no trace file, or it cannot be read; only when the frames are taken.
+    """
+    suffixes = [suffix.lower() for suffix in path.suffixes if suffix != PACKED]
+    if not suffixes or suffixes[-1] not in READERS:
+        raise UserError(f"{path} is no trace file: its name ends in {', '.join(READERS)}")
+    if not path.is_file():
+        raise UserError(f"{path} is not there")
+    kind = READERS[suffixes[-1]]
+    try:
+        with _opened(path) as packed:
+            file: Any = Lines(packed, "utf-8") if issubclass(kind, TextIOMessageReader) else packed
+            yield from (_sent(each) for each in kind(file) if not each.is_error_frame)
+    except Exception as damage:  # whatever a reader of python-can stumbles over
+        reason = str(damage) or type(damage).__name__
+        raise UserError(f"{path} cannot be read as {suffixes[-1]}: {reason}") from damage
+
+
+def _opened(path: Path) -> IO[bytes]:
+    return gzip.open(path) if path.suffix == PACKED else path.open("rb")  # type: ignore[return-value]
+
+
+def _sent(message: can.Message) -> TimedFrame:
+    remote, extended = message.is_remote_frame, message.is_extended_id
+    frame = Frame(message.arbitration_id, bytes(message.data), remote, extended)
+    return TimedFrame(microseconds(message.timestamp), frame)
+
+
+CHANNEL = "can0"
+
+Observer = Callable[[Segment[Node], Player | None], None]
+"""Called before a run begins, with the bus and who plays the scenario on it, if there is one."""
+
+
+def candump_log(part: Path, path: Path) -> MessageWriter:
+    """Lines of `candump -L`, with T or R at their end."""
+    return can.CanutilsLogWriter(part, channel=CHANNEL)
+
+
+def asc(part: Path, path: Path) -> MessageWriter:
+    """Vector's text format; python-can would begin it with the date of today."""
+    writer = can.ASCWriter(part)
+    writer.file.seek(0)
+    writer.file.truncate()
+    writer.file.write(
+        "date Thu Jan 01 00:00:00.000 1970\n"
+        "base hex  timestamps absolute\n"
+        "internal events logged\n"
+        "Begin Triggerblock Thu Jan 01 00:00:00.000 1970\n"
+        " 0.000000 Start of measurement\n"
+    )
+    writer.header_written = True
+    return writer
+
+
+def blf(part: Path, path: Path) -> MessageWriter:
+    """Vector's binary format; python-can would count time from the first frame on."""
+    writer = can.BLFWriter(part)
+    writer.start_timestamp = 0.0
+    return writer
+
+
+def trc(part: Path, path: Path) -> MessageWriter:
+    """PEAK's text format, version 2.1."""
+    return Trc(part, path)
+
+
+class Trc(can.TRCWriter):
+    """Also writes remote frames, which python-can leaves out although it reads them."""
+
+    def __init__(self, part: Path, path: Path) -> None:
+        super().__init__(part)
+        self.filepath = str(path.name)  # stands in the file
+        self.first_timestamp = 0.0
+        self.write_header(0.0)
+
+    def on_message_received(self, msg: can.Message) -> None:
+        """Take one frame."""
+        if not msg.is_remote_frame:
+            super().on_message_received(msg)
+            return
+        width = 7 if msg.is_extended_id else 4
+        told = self.FORMAT_MESSAGE.replace(" DT ", " RR ").format(
+            msgnr=self.msgnr,
+            time=msg.timestamp * 1000,
+            channel=self.channel,
+            id=f"{msg.arbitration_id:0{width}X}",
+            dir="Rx" if msg.is_rx else "Tx",
+            dlc=msg.dlc,
+            data="",
+        )
+        self.msgnr += 1
+        self.log_event(told, msg.timestamp)
+
+
+WRITERS: Mapping[str, Callable[[Path, Path], MessageWriter]] = {
+    ".log": candump_log,
+    ".asc": asc,
+    ".blf": blf,
+    ".trc": trc,
+}
+
+
+@contextmanager
+def trace_file(path: Path) -> Iterator[Observer]:
+    """Writes every frame of a bus to a file, with the seconds of the bus as its time.
+
+    What twins send goes out (Tx), everything else comes in (Rx).
+
+    Raises:
+        UserError: a suffix that stands for no format, or a file that cannot be written.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in WRITERS:
+        raise UserError(f"{path} is no trace file: its name ends in {', '.join(WRITERS)}")
+    with file_part(path) as part, WRITERS[suffix](part, path) as writer:
+
+        def attach(segment: Segment[Node], player: Player | None) -> None:
+            names = {node.wire.name for node in segment.nodes}
+
+            def hear(frame: Frame, sender: str) -> None:
+                writer.on_message_received(message(frame, segment.clock.now, sender not in names))
+
+            segment.listeners.append(hear)
+
+        yield attach
+
+
+def message(frame: Frame, time: float, heard: bool) -> can.Message:
+    """A frame as python-can has it."""
+    return can.Message(
+        timestamp=time,
+        arbitration_id=frame.can_id,
+        is_extended_id=frame.extended,
+        is_remote_frame=frame.remote,
+        is_rx=heard,
+        channel=CHANNEL,
+        data=frame.data,
+    )

@@ -1,0 +1,83 @@
+"""How a run begins and ends: a scenario in simulated time, from power-on to its verdict."""
+
+from collections.abc import Callable, Iterable
+from typing import TextIO, TypeVar
+
+from canopen_twins.bus.clock import Clock
+from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.segment import Record, Segment
+from canopen_twins.device.node import Node
+from canopen_twins.faults import connect
+from canopen_twins.scenario.player import Player
+from canopen_twins.scenario.scenario import Scenario
+from canopen_twins.scenario.verdict import Verdict
+
+AnyPlayer = TypeVar("AnyPlayer", bound=Player | None)
+
+SLICE = 1.0  # seconds between two reports of progress
+
+
+def play(
+    scenario: Scenario,
+    trace: TextIO | None = None,
+    observers: Iterable[Callable[[Segment[Node], Player], None]] = (),
+    progress: Callable[[float], None] = lambda now: None,
+) -> Verdict:
+    """Power on, every step, every expectation to the end of its time, and the verdict.
+
+    Args:
+        scenario: What to play; it stays as it is.
+        trace: Takes every frame in the format of `candump -L`, with simulated time.
+        observers: Called with the bus and its player before anything happens.
+        progress: Called with the simulated time in seconds, once a second of it or more often.
+    """
+    segment: Segment[Node] = Segment()
+    if scenario.bit_rate is not None:
+        segment.limit(scenario.bit_rate)
+    nodes = {name: connect(segment, spec.create(), name) for name, spec in scenario.nodes.items()}
+    player = Player(scenario, segment, nodes)
+    begin(segment, player, observers if trace is None else [print_frames(trace), *observers])
+    segment.deliver()
+    finish(player, segment, progress)
+    return player.verdict
+
+
+def begin(
+    segment: Segment[Node],
+    player: AnyPlayer,
+    observers: Iterable[Callable[[Segment[Node], AnyPlayer], None]] = (),
+) -> None:
+    """Switch the nodes of a segment on, when everybody is there who wants to hear them boot."""
+    for attach in observers:
+        attach(segment, player)
+    if player is not None:
+        player.start()
+    for node in segment.nodes:
+        node.power_on()
+
+
+def print_frames(file: TextIO) -> Callable[[Segment[Node], object], None]:
+    """An observer that writes every frame to a text file as `candump -L` does."""
+
+    def attach(segment: Segment[Node], player: object) -> None:
+        def hear(frame: Frame, sender: str) -> None:
+            file.write(f"{Record(segment.clock.now, frame, sender)}\n")
+
+        segment.listeners.append(hear)
+
+    return attach
+
+
+def finish(
+    player: Player, segment: Segment[Node], progress: Callable[[float], None] = lambda now: None
+) -> None:
+    """Let time pass until a scenario that has been started is over."""
+    while not player.done or segment.clock.now < player.horizon:
+        segment.advance_to(_next(segment.clock, player.horizon))
+        progress(segment.clock.now)
+
+
+def _next(clock: Clock, horizon: float) -> float:
+    """As far as the run cannot be over; from there on by one deadline at a time."""
+    end = horizon if clock.now < horizon else clock.next_deadline
+    return min(end, clock.now + SLICE)

@@ -1,0 +1,120 @@
+"""A scenario as it is played: nodes, and steps with their moments."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from canopen_twins.device.device import Device
+from canopen_twins.scenario.matchers import Sign
+from canopen_twins.slave.object import Address
+
+if TYPE_CHECKING:
+    from canopen_twins.scenario.context import Context
+
+
+@dataclass(frozen=True)
+class At:
+    """A time of the scenario."""
+
+    seconds: float
+
+
+@dataclass(frozen=True)
+class After:
+    """So long after the step above has been carried out, the last time if it is repeated."""
+
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Condition:
+    """The moment at which a sign of a node is seen for the n-th time.
+
+    It is watched for from the moment the step above begins, and behind what set that one off.
+    """
+
+    what: Sign
+    node: str
+    """The name of the node it is a sign of."""
+    nth: int = 1
+
+    def __str__(self) -> str:
+        return f"{self.what}{f' ({self.nth} times)' if self.nth > 1 else ''}"
+
+
+Moment = At | After | Condition
+
+
+class Action:
+    """What a step does; `str` says it in words."""
+
+    def __str__(self) -> str:
+        return type(self).__name__.lower()
+
+    @property
+    def about(self) -> Sequence[Address]:
+        """The objects whose values it is about."""
+        return ()
+
+    def carry_out(self, context: Context) -> None:
+        """Do it, now.
+
+        Raises:
+            UserError: it cannot be done.
+        """
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class NodeSpec:
+    """A device and the settings it is delivered with."""
+
+    device: type[Device]
+    settings: Mapping[str, object]
+
+    def create(self) -> Device:
+        """The device, with its power off."""
+        return self.device(**self.settings)
+
+
+@dataclass(frozen=True)
+class Step:
+    """One action at its moment, perhaps repeated."""
+
+    moment: Moment
+    node: str
+    """The name of the node that it is about; empty if it is about none."""
+    action: Action
+    note: str
+    line: int
+    """Of the file."""
+    every: float = 0.0
+    """Seconds from one repetition to the next."""
+    times: int = 1
+    """How often it is carried out altogether."""
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """Who takes part, and what happens when."""
+
+    file: Path
+    name: str
+    note: str
+    nodes: Mapping[str, NodeSpec]
+    steps: tuple[Step, ...]
+    cleanup: tuple[Step, ...] = ()
+    """Carried out in the end, whatever came of the steps; the first one's moment is `After`."""
+    covers: tuple[str, ...] = ()
+    """The statements it is about."""
+    seed: int = 1
+    """What the file gives, or would have given; the reader has put it where it belongs."""
+    duration: float | None = None
+    """Seconds that the run lasts at least; None: conditions are waited for, a minute at most."""
+    bit_rate: int | None = None
+    """In bit/s, for the simulated bus; None: frames take no time."""
+    bit_rate_line: int = 0
+    """Of the file, where it stands."""

@@ -1,0 +1,363 @@
+"""What stands behind a key: times, numbers, words, frames, and values by name."""
+
+from collections.abc import Collection
+from typing import Annotated, ClassVar, TypeVar
+
+from pydantic import BeforeValidator, ConfigDict, Discriminator, Field, Tag
+
+from canopen_twins.bus.frame import Frame, pattern
+from canopen_twins.files.document import LONGEST_TIME, Item
+from canopen_twins.files.table import (
+    Apart,
+    Beside,
+    IfRight,
+    Leaf,
+    Listed,
+    OneOf,
+    Rule,
+    Shapes,
+    SomeOf,
+    Table,
+)
+from canopen_twins.scenario.matchers import COMMANDS
+from canopen_twins.scenario.words import (
+    ANY,
+    EMCY_FIELDS,
+    HEARTBEATS,
+    MASTER,
+    NONE,
+    STATES,
+    SWITCHES,
+)
+
+Value = TypeVar("Value")
+
+HIGHEST = 0xFFFF_FFFF
+HEX = "[0-9A-Fa-f]"
+FRAME = rf"^({HEX}{{3}}|{HEX}{{8}})#(R[0-8]?|({HEX}{{2}}|\.)*)$"
+LIKE_A_FRAME = r"^([0-9A-FXa-fx]{3}|[0-9A-FXa-fx]{8})#(R[0-8]?|[0-9A-FXa-fx.]*\*?)$"
+TIME = {"type": "number", "minimum": 0, "maximum": LONGEST_TIME}
+TEXT = ["string", "number", "boolean"]
+
+
+def word(what: str, known: Collection[str]) -> Leaf:
+    """One word out of several."""
+    return Leaf(lambda item: item.one_of(what, known), {"enum": [*known]})
+
+
+def whole(low: int, high: int) -> Leaf:
+    """A whole number, both ends included."""
+
+    def ask(item: Item) -> None:
+        if not low <= item.whole <= high:
+            raise item.wrong(f"{item.text} is not in {low}..{high}")
+
+    return Leaf(ask, {"type": "integer", "minimum": low, "maximum": high})
+
+
+def up_to(highest: int) -> Leaf:
+    """A whole number from 0 on, its end told in hexadecimal."""
+    schema = {"type": "integer", "minimum": 0, "maximum": highest}
+    return Leaf(lambda item: item.whole_up_to(highest), schema)
+
+
+def abort_code() -> Leaf:
+    """An SDO abort code, or the word that there is no answer."""
+    schema = {"anyOf": [{"enum": [NONE]}, {"type": "integer", "minimum": 1, "maximum": HIGHEST}]}
+    return Leaf(_abort_code, schema)
+
+
+def _abort_code(item: Item) -> None:
+    if item.text != NONE and not item.whole_up_to(HIGHEST):
+        raise item.wrong(f"{item.text} is no abort code; they look like 0x06090030")
+
+
+def _some_time(item: Item) -> None:
+    if not item.seconds:
+        raise item.wrong(f"{item.text} s is no time; it has to be more")
+
+
+Seconds = Annotated[Item, Leaf(lambda item: item.seconds, TIME)]
+SomeSeconds = Annotated[Item, Leaf(_some_time, {**TIME, "exclusiveMinimum": 0})]
+Number = Annotated[Item, Leaf(lambda item: item.number, {"type": "number"})]
+Text = Annotated[Item, Leaf(lambda item: item.text, {"type": TEXT})]
+Scalar = Annotated[Item, Leaf(lambda item: item.value, {"type": [*TEXT, "null"]})]
+Name = Annotated[Item, Leaf(lambda item: item.text, {"type": "string"})]
+OneFrame = Annotated[
+    Item, Leaf(lambda item: Frame.parse(item.text), {"type": "string", "pattern": FRAME})
+]
+FrameShape = Annotated[
+    Item, Leaf(lambda item: pattern(item.text), {"type": "string", "pattern": LIKE_A_FRAME})
+]
+
+BY_NAME = BeforeValidator(lambda item: {pair.key: pair.value for pair in item.pairs.values()})
+Parameters = Annotated[dict[Name, Scalar], BY_NAME]
+"""Values by their names; there may be none."""
+Named = Annotated[dict[Name, Value], Field(min_length=1), BY_NAME]
+"""What is told of at least one name."""
+
+WORD_OR_TABLE = Discriminator(lambda item: "table" if item.is_mapping else "word")
+"""Between what is tagged "word" and what is tagged "table"."""
+
+
+MOST_TIMES = 100_000
+KINDS = ("emcy", "value", "frame", "heartbeat", "state", "write", "nmt")
+EXPECTED = ("emcy", "value", "frame", "heartbeat", "silence", "state", "write", "nmt", "never")
+SOMETHING = "empty; at least one key with a value is wanted here"
+RANGE = "wanted is {is: 5}, {is: 5, tolerance: 1}, {min: 4} or {max: 6} or both"
+WINDOW = "'within' is missing: the seconds it may take, or 'before': what ends the time"
+
+TRUE = Leaf(lambda item: item.one_of("silence", ["true"]), {"const": True})
+
+
+class Emcy(Table):
+    """An emergency message; what is not given may be anything."""
+
+    rules = (SomeOf(EMCY_FIELDS, SOMETHING),)
+
+    code: Annotated[Item, up_to(EMCY_FIELDS["code"])] | None = None
+    """Emergency error code, such as 0x2310."""
+    bits: Annotated[Item, up_to(EMCY_FIELDS["register"])] | None = Field(None, alias="register")
+    """Error register, such as 0x03."""
+    detail: Annotated[Item, up_to(EMCY_FIELDS["detail"])] | None = None
+    """Manufacturer-specific error field as one number, its first byte the lowest."""
+
+
+class Wanted(Table):
+    """Numbers that are meant, both ends included."""
+
+    rules = (Shapes(("is", "is tolerance", "min", "max", "min max"), RANGE),)
+
+    exactly: Number | None = Field(None, alias="is")
+    """The number itself."""
+    tolerance: Number | None = None
+    """How far off it may be, up or down."""
+    low: Number | None = Field(None, alias="min")
+    """The least."""
+    high: Number | None = Field(None, alias="max")
+    """The greatest."""
+
+
+Values = Named[
+    Annotated[Annotated[Scalar, Tag("word")] | Annotated[Wanted, Tag("table")], WORD_OR_TABLE]
+]
+"""By the names of objects: a number, a text, a range of numbers, or `any`."""
+
+
+class Sign(Table):
+    """One thing that can be seen."""
+
+    emcy: (
+        Annotated[
+            Annotated[Item, word("EMCY", [ANY]), Tag("word")] | Annotated[Emcy, Tag("table")],
+            WORD_OR_TABLE,
+        ]
+        | None
+    ) = None
+    """The node sends an EMCY: with these fields, or `any`."""
+    frame: FrameShape | None = None
+    """The node sends a frame as cansend writes it: x is any digit, * at the end any rest."""
+    heartbeat: Annotated[Item, word("heartbeat", [*HEARTBEATS, ANY])] | None = None
+    """The node sends a heartbeat with this state, or any; the boot-up message is none."""
+    value: Values | None = None
+    """All of these objects have these values at a look, which leaves no trace on the bus."""
+    state: Annotated[Item, word("NMT state", STATES)] | None = None
+    """The node enters this NMT state; being in it already does not count."""
+    write: Values | None = None
+    """The master writes these objects, by SDO or RPDO; attempts count, answered or refused."""
+    nmt: Annotated[Item, word("NMT command", COMMANDS)] | None = None
+    """The master commands the node, or all nodes."""
+    sender: Annotated[Item, word("sender", [MASTER])] | None = Field(None, alias="from")
+    """Frames are looked for among those of the master: whatever no node of the file has sent."""
+
+
+class Never(Sign):
+    """One thing that must not be seen."""
+
+    rules = (OneOf("to look for", KINDS, "never"), Beside("from", ("frame",)))
+
+
+class Condition(Sign):
+    """One thing that is waited for."""
+
+    rules = (OneOf("to wait for", KINDS, "a condition"), Beside("from", ("frame",)))
+
+    nth: Annotated[Item, whole(1, MOST_TIMES)] | None = None
+    """Which time it is seen; the first if it is left out."""
+    node: Name | None = None
+    """Of which node; that of the step if it is left out."""
+
+
+class Expect(Sign):
+    """One thing that should be seen, or should not, and the time for it."""
+
+    rules = (
+        OneOf("to expect", EXPECTED),
+        Beside("from", ("frame", "silence")),
+        SomeOf(("within", "before", "value", "never"), WINDOW),
+    )
+
+    emcy: (
+        Annotated[
+            Annotated[Item, word("EMCY", [NONE, ANY]), Tag("word")] | Annotated[Emcy, Tag("table")],
+            WORD_OR_TABLE,
+        ]
+        | None
+    ) = None
+    """The node sends an EMCY: with these fields, `any`, or `none` at all."""
+    heartbeat: Annotated[Item, word("heartbeat", [*HEARTBEATS, ANY, NONE])] | None = None
+    """The node sends a heartbeat with this state, `any`, or `none` at all."""
+    silence: Annotated[Item, TRUE] | None = None
+    """The node sends nothing at all; with `from: master`, the master."""
+    never: Never | None = None
+    """This must not be seen: within the time, or up to the end of the run."""
+    within: Seconds | None = None
+    """Seconds from the step on, both ends included."""
+    before: Condition | None = None
+    """What ends the time, too."""
+
+
+VERBS = ("set", "write", "read", "send", "nmt", "power", "inject", "clear", "expect")
+MOMENTS = ("at", "after", "when")
+
+Faults = Annotated[
+    Annotated[Name, Tag("word")] | Annotated[Named[Parameters], Tag("table")], WORD_OR_TABLE
+]
+
+
+class AnyStep(Table):
+    """What is done, and to which node; a step of the cleanup says no more than this."""
+
+    rules: ClassVar[tuple[Rule, ...]] = (
+        OneOf("to do", VERBS),
+        Beside("abort", ("write", "read")),
+        Beside("timeout", ("write", "read")),
+        Beside("for", ("inject",)),
+        Beside("until", ("inject",)),
+        Apart(("for", "until")),
+        Beside("every", ("times",)),
+        Beside("times", ("every",)),
+    )
+
+    after: Seconds | None = None
+    """Seconds after the step above has been carried out, the last time if it is repeated."""
+    every: SomeSeconds | None = None
+    """Seconds from one repetition to the next; how many there are says `times`."""
+    times: Annotated[Item, whole(1, MOST_TIMES)] | None = None
+    """How often it is carried out altogether, the first time at its moment."""
+    node: Name | None = None
+    """The node it is about; may be left out where there is one node, and beside `send`."""
+    note: Text | None = None
+    """Why it is there; free text, shown where something did not come as expected."""
+    set: Named[Scalar] | None = None
+    """Changes settings that may change while the device runs, such as its load."""
+    write: Named[Scalar] | None = None
+    """Writes objects by SDO, one after the other, as a master does."""
+    read: Values | None = None
+    """Reads objects by SDO, one after the other, and compares what they have."""
+    abort: Annotated[Item, abort_code()] | None = None
+    """The abort code with which the one object is refused; `none`: it is not answered."""
+    timeout: SomeSeconds | None = None
+    """Seconds the master waits for each answer; 1 if it is left out."""
+    send: OneFrame | None = None
+    """Puts a frame on the bus, as cansend writes it."""
+    nmt: Annotated[Item, word("NMT command", COMMANDS)] | None = None
+    """Commands the node as the NMT master."""
+    power: Annotated[Item, word("position of the supply", SWITCHES)] | None = None
+    """Switches the supply of the node on or off."""
+    inject: Faults | None = None
+    """Lets something go wrong: a fault by its name, with parameters if it has some."""
+    lasts: SomeSeconds | None = Field(None, alias="for")
+    """Seconds after which the fault is cleared."""
+    until: Condition | None = None
+    """What happens when the fault is cleared."""
+    clear: Name | None = None
+    """Takes a fault away, or `all` of them."""
+    expect: Expect | None = None
+    """Watches, and decides."""
+
+
+class Step(AnyStep):
+    """What is done, to which node, and when."""
+
+    rules = (OneOf("says when", MOMENTS), *AnyStep.rules)
+
+    at: Seconds | None = None
+    """Seconds since the beginning; steps stand in the order of their times."""
+    when: Condition | None = None
+    """At the moment it happens; watched for from the step above on."""
+
+
+VERSION = 1
+MOST_STEPS, MOST_NODES = 10_000, 127
+HIGHEST_SEED = 0xFFFF_FFFF
+BIT_RATES = 10_000, 1_000_000  # CiA 301, 5.2
+
+
+def _check(version: Item) -> None:
+    """Another version is a problem; the rest is looked at all the same."""
+    with version.problems.at(version):
+        if version.whole != VERSION:
+            raise version.wrong(f"version {version.text} is unknown; this program reads {VERSION}")
+
+
+KNOWN_VERSION = Leaf(_check, {"const": VERSION})
+NODE_ID = Leaf(lambda item: item.value, {"type": "integer", "minimum": 1, "maximum": 127})
+
+
+class Node(Table):
+    """A device as it is delivered."""
+
+    device: Name
+    """Which device, by its name in `canopen-twin list`."""
+    node_id: Annotated[Item, NODE_ID] | None = None
+    """The node id it is delivered with, 1..127."""
+    settings: Parameters | None = None
+    """How it is delivered and what is around it; see `canopen-twin settings DEVICE`."""
+
+
+Nodes = Annotated[dict[Name, IfRight[Node]], Field(min_length=1, max_length=MOST_NODES), BY_NAME]
+
+
+class File(Table):
+    """What every file has."""
+
+    version: Annotated[Item, KNOWN_VERSION]
+    """Version of the format: 1."""
+    note: Text | None = None
+    """Free text."""
+
+
+class BenchFile(File):
+    """Several twins on one bus."""
+
+    model_config = ConfigDict(title="Bench file")
+
+    nodes: Nodes
+    """Who is on the bus, by names of your own."""
+
+
+class ScenarioFile(File):
+    """Twins and what happens to them; it is played and judged."""
+
+    model_config = ConfigDict(title="Scenario")
+    rules = (OneOf("says who takes part", ("node", "nodes"), "a scenario"),)
+
+    name: Text | None = None
+    """What happens, in a few words."""
+    covers: Listed[Text] | None = None
+    """The statements it is about, such as T-193."""
+    seed: Annotated[Item, whole(0, HIGHEST_SEED)] | None = None
+    """Where chance begins, for every fault and device that has a `seed` and is given none."""
+    duration: Seconds | None = None
+    """Seconds that the run lasts at least; without it conditions are waited for another 60 s."""
+    bit_rate: Annotated[Item, whole(*BIT_RATES)] | None = None
+    """Bit/s of the simulated bus; frames take no time if it is left out."""
+    node: Node | None = None
+    """Who takes part, if it is one; its name is that of its device."""
+    nodes: Nodes | None = None
+    """Who takes part, if it is more than one, by names of your own."""
+    steps: Annotated[Listed[IfRight[Step]], Field(max_length=MOST_STEPS)]
+    """What happens, in the order of time."""
+    cleanup: Annotated[Listed[IfRight[AnyStep]], Field(max_length=MOST_STEPS)] | None = None
+    """Steps that are carried out in the end, whatever came of the others."""

@@ -1,0 +1,158 @@
+"""LSS slave: node id and bit timing by way of the identity, in every NMT state (CiA 305)."""
+
+from collections.abc import Callable, Mapping, Sequence
+from enum import IntEnum
+from operator import eq, ge, le
+from typing import NamedTuple, Protocol
+
+from canopen_twins.bus.frame import Frame
+from canopen_twins.slave.service import Listening, Service
+from canopen_twins.slave.slave import Slave
+
+REQUEST, ANSWER = 0x7E5, 0x7E4
+LENGTH = 8
+VENDOR, PRODUCT, REVISION, SERIAL = range(1, 5)  # sub-indices of the identity 0x1018
+
+SELECTED, IDENTIFIED = 0x44, 0x4F
+ACCEPTED, REFUSED = 0, 1
+
+
+class Stored(IntEnum):
+    """How storing went, as it is answered."""
+
+    DONE = 0
+    NOT_SUPPORTED = 1
+    FAILED = 2
+
+
+class Configurable(Protocol):
+    """What a device lets LSS change. Nothing of it acts before a reset or `activate_bit_timing`."""
+
+    def configure_node_id(self, node_id: int) -> bool:
+        """Keep a node id for the next reset; whether it is admissible."""
+
+    def configure_bit_timing(self, table: int, index: int) -> bool:
+        """Keep a bit rate by table selector and index; whether the device has it."""
+
+    def activate_bit_timing(self) -> None:
+        """Switch to the bit rate that is kept."""
+
+    def store(self) -> Stored:
+        """Make node id and bit rate outlive the power."""
+
+
+class Step(NamedTuple):
+    """One request of a sequence that addresses a slave by its identity."""
+
+    command: int
+    subindex: int
+    fits: Callable[[int, int], bool]
+
+
+SELECT = (
+    Step(0x40, VENDOR, eq),
+    Step(0x41, PRODUCT, eq),
+    Step(0x42, REVISION, eq),
+    Step(0x43, SERIAL, eq),
+)
+IDENTIFY = (
+    Step(0x46, VENDOR, eq),
+    Step(0x47, PRODUCT, eq),
+    Step(0x48, REVISION, ge),
+    Step(0x49, REVISION, le),
+    Step(0x4A, SERIAL, ge),
+    Step(0x4B, SERIAL, le),
+)
+
+
+class Address:
+    """Follows a sequence of requests and knows when all of them have meant this slave."""
+
+    def __init__(self, steps: Sequence[Step], slave: Slave) -> None:
+        self.commands = frozenset(step.command for step in steps)
+        self._steps = steps
+        self._slave = slave
+        self._passed = 0
+
+    def hear(self, data: bytes) -> bool:
+        """Take the next request; whether the sequence is complete with it."""
+        if data[0] == self._steps[0].command:
+            self._passed = 0
+        step = self._steps[self._passed]
+        own = self._slave.number(0x1018, step.subindex)
+        fits = data[0] == step.command and step.fits(own, int.from_bytes(data[1:5], "little"))
+        self._passed = (self._passed + 1) % len(self._steps) if fits else 0
+        return fits and not self._passed
+
+
+class LssSlave(Service):
+    """Waits until the master selects it; then it can be asked and configured."""
+
+    def __init__(self, slave: Slave, device: Configurable) -> None:
+        super().__init__(slave)
+        self.configuring = False
+        self._device = device
+        self._select = Address(SELECT, slave)
+        self._identify = Address(IDENTIFY, slave)
+        self._commands: Mapping[int, Callable[[bytes], bytes | None]] = {
+            0x11: self._configure_node_id,
+            0x13: self._configure_bit_timing,
+            0x15: self._activate_bit_timing,
+            0x17: self._store,
+            0x5A: self._inquire(VENDOR),
+            0x5B: self._inquire(PRODUCT),
+            0x5C: self._inquire(REVISION),
+            0x5D: self._inquire(SERIAL),
+            0x5E: lambda _: bytes([self.slave.node_id]),
+        }
+
+    def listen(self) -> Listening:
+        """The requests of the LSS master."""
+        yield (REQUEST, False), self.on_request
+
+    def on_request(self, frame: Frame) -> None:
+        """Answer where CiA 305 wants an answer; a slave that is not meant is silent."""
+        data = frame.data
+        if len(data) != LENGTH:
+            return
+        if data[0] == 0x04:
+            self.configuring = data[1] == 1 if data[1] in (0, 1) else self.configuring
+        elif data[0] in self._identify.commands:
+            if self._identify.hear(data):
+                self._answer(IDENTIFIED)
+        elif not self.configuring:
+            if data[0] in self._select.commands and self._select.hear(data):
+                self.configuring = True
+                self._answer(SELECTED)
+        elif command := self._commands.get(data[0]):
+            answer = command(data)
+            if answer is not None:
+                self._answer(data[0], answer)
+
+    def _answer(self, command: int, content: bytes = b"") -> None:
+        data = (bytes([command]) + content).ljust(LENGTH, b"\0")
+        self.slave.wire.put(Frame(ANSWER, data))
+
+    def _configure_node_id(self, data: bytes) -> bytes:
+        accepted = self._device.configure_node_id(data[1])
+        return bytes([ACCEPTED if accepted else REFUSED])
+
+    def _configure_bit_timing(self, data: bytes) -> bytes:
+        accepted = self._device.configure_bit_timing(data[1], data[2])
+        return bytes([ACCEPTED if accepted else REFUSED])
+
+    def _store(self, data: bytes) -> bytes:
+        return bytes([self._device.store()])
+
+    def _inquire(self, subindex: int) -> Callable[[bytes], bytes]:
+        return lambda _: self.slave.number(0x1018, subindex).to_bytes(4, "little")
+
+    def _activate_bit_timing(self, data: bytes) -> None:
+        """Off the bus for the delay, switch, off the bus for it again: then all have switched."""
+        delay = int.from_bytes(data[1:3], "little") / 1000
+        self.slave.wire.shut = True
+        self.slave.clock.after(delay, self._device.activate_bit_timing)
+        self.slave.clock.after(2 * delay, self._reopen)
+
+    def _reopen(self) -> None:
+        self.slave.wire.shut = False

@@ -1,0 +1,157 @@
+"""How an object of the dictionary acts, and how it refuses."""
+
+from collections.abc import Callable
+from enum import IntEnum
+from typing import Any, NamedTuple
+
+from canopen.objectdictionary import ODVariable
+from canopen.objectdictionary.datatypes import INTEGER_TYPES
+
+Address = tuple[int, int]
+Value = int | float | str | bytes
+
+
+class Abort(IntEnum):
+    """SDO abort codes (CiA 301, 7.2.4.3.17)."""
+
+    TOGGLE = 0x05030000
+    TIME_OUT = 0x05040000
+    COMMAND = 0x05040001
+    BLOCK_SIZE = 0x05040002
+    SEQUENCE_NUMBER = 0x05040003
+    CRC = 0x05040004
+    OUT_OF_MEMORY = 0x05040005
+    WRITE_ONLY = 0x06010001
+    READ_ONLY = 0x06010002
+    NO_OBJECT = 0x06020000
+    NOT_MAPPABLE = 0x06040041
+    PDO_TOO_LONG = 0x06040042
+    INCOMPATIBLE = 0x06040043
+    HARDWARE = 0x06060000
+    LENGTH = 0x06070010
+    TOO_LONG = 0x06070012
+    TOO_SHORT = 0x06070013
+    NO_SUBINDEX = 0x06090011
+    INVALID_VALUE = 0x06090030
+    TOO_HIGH = 0x06090031
+    TOO_LOW = 0x06090032
+    NOT_TRANSFERABLE = 0x08000020
+    LOCAL_CONTROL = 0x08000021
+    DEVICE_STATE = 0x08000022
+    NO_DATA = 0x08000024
+
+
+class Rejected(Exception):  # noqa: N818 - a refusal is an answer of the device, not an error
+    """The device refuses a value or an access; the master is answered with an SDO abort."""
+
+    def __init__(self, reason: str, code: int = Abort.INVALID_VALUE) -> None:
+        super().__init__(reason)
+        self.code = code
+
+
+class Object(NamedTuple):
+    """What reading and writing an entry does; entries nobody names are plain memory of the node.
+
+    An entry with `read` has its value there; one without keeps what was written. `adjust` says
+    what the device makes of a written value before it acts and is kept. `write` may raise
+    `Rejected`; the old value then stays. `obstacle` says in words why a value that was taken has
+    no effect at this moment; empty if it has.
+    """
+
+    read: Callable[[], Value] | None = None
+    write: Callable[[int], None] | None = None
+    adjust: Callable[[int], int] | None = None
+    obstacle: Callable[[int], str] | None = None
+
+
+class Entry:
+    """Its value is where one of its objects has it, otherwise in the node's data store."""
+
+    __slots__ = (
+        "_adjusts",
+        "_cell",
+        "_source",
+        "_writes",
+        "address",
+        "high",
+        "low",
+        "obstacle",
+        "pack",
+        "readable",
+        "size",
+        "unpack",
+        "variable",
+        "writable",
+    )
+
+    def __init__(self, variable: ODVariable, cell: dict[int, bytes]) -> None:
+        data_type: int = variable.data_type or 0
+        codec = ODVariable.STRUCT_TYPES.get(data_type)
+        self.variable = variable
+        self.readable: bool = variable.readable
+        self.writable: bool = variable.writable
+        self.address: Address = (variable.index, variable.subindex)
+        self.size: int | None = codec.size if codec else None
+        self.pack: Callable[[Any], bytes] = codec.pack if codec else variable.encode_raw
+        self.unpack: Callable[[bytes], Any] = _first(codec) if codec else variable.decode_raw
+        whole = data_type in INTEGER_TYPES
+        self.low, self.high = (variable.min, variable.max) if whole else (None, None)
+        self.obstacle: Callable[[int], str] | None = None
+        self._source: Callable[[], Value] | None = None
+        self._adjusts: list[Callable[[int], int]] = []
+        self._writes: list[Callable[[int], None]] = []
+        self._cell = cell
+        cell[variable.subindex] = self.initial
+
+    def bind(self, acts: Object) -> None:
+        """Let an object act, after those that do already; the first that has a value is read."""
+        self._source = self._source or acts.read
+        self.obstacle = self.obstacle or acts.obstacle
+        if acts.adjust is not None:
+            self._adjusts.append(acts.adjust)
+        if acts.write is not None:
+            self._writes.append(acts.write)
+
+    def read(self) -> bytes:
+        """The value as it goes over the wire."""
+        if self._source is None:
+            return self._cell[self.variable.subindex]
+        value = self._source()
+        return value if isinstance(value, bytes) else self.pack(value)
+
+    def write(self, data: bytes) -> None:
+        """Take a value of the right length over.
+
+        Raises:
+            Rejected: out of the limits of the EDS, or refused by the device.
+        """
+        limited = self.low is not None or self.high is not None
+        if limited or self._adjusts or self._writes:
+            data = self._act(data)
+        self._cell[self.variable.subindex] = data
+
+    def _act(self, data: bytes) -> bytes:
+        value = self.unpack(data)
+        if self.high is not None and value > self.high:
+            raise Rejected(f"{value} is above {self.high}", Abort.TOO_HIGH)
+        if self.low is not None and value < self.low:
+            raise Rejected(f"{value} is below {self.low}", Abort.TOO_LOW)
+        for adjust in self._adjusts:
+            value = adjust(value)
+        for write in self._writes:
+            write(value)
+        return self.pack(value)
+
+    @property
+    def initial(self) -> bytes:
+        """ParameterValue or DefaultValue of the EDS; zero for a number that has neither."""
+        variable: Any = self.variable
+        value: Value | None = variable.default if variable.value is None else variable.value
+        if value is None:
+            return bytes(self.size or 0)
+        return value if isinstance(value, bytes) else self.pack(value)
+
+
+def _first(codec: Any) -> Callable[[bytes], Any]:
+    unpack = codec.unpack
+    return lambda data: unpack(data)[0]

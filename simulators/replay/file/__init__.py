@@ -1,1 +1,0 @@
-"""Scenario and bench files as tables: the keys there are, what they mean, their JSON Schema."""

@@ -1,1 +1,0 @@
-"""Verdicts for programs: JUnit XML, JSON, and flat properties of a test."""
