@@ -1,0 +1,456 @@
+"""EDS and DCF files (CiA 306): their sections as an object dictionary of canopen.
+
+Tools write what the standard does not know, and leave out what it demands. Whatever can only mean
+one thing is taken. What cannot be used is a remark with its line, and the dictionary does without
+that one entry; only a file without any object is refused.
+"""
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, cast
+
+from canopen import ObjectDictionary
+from canopen.objectdictionary import ODArray, ODRecord, ODVariable
+from canopen.objectdictionary.datatypes import DATA_TYPES, DOMAIN, UNSIGNED8
+
+from canopen_twins.errors import UserError
+from canopen_twins.files.sections import Field, Remark, Section, Sections, read_sections
+from canopen_twins.slave import eds_values
+from canopen_twins.slave.eds_check import check
+
+NULL, DOMAIN_OBJECT, DEFTYPE, DEFSTRUCT, VAR, ARRAY, RECORD = 0, 2, 5, 6, 7, 8, 9
+SINGLE = (DOMAIN_OBJECT, DEFTYPE, VAR)
+COMPOUND = (DEFSTRUCT, ARRAY, RECORD)
+OBJECT = re.compile(r"(?:0[xX])?([0-9A-Fa-f]{1,4})(?:sub([0-9A-Fa-f]{1,2}))?", re.IGNORECASE)
+LIST = re.compile(r"(?:0[xX])?([0-9A-Fa-f]{1,4})(Name|Value|Denotation)", re.IGNORECASE)
+DUMMY = re.compile(r"Dummy([0-9A-Fa-f]{1,4})", re.IGNORECASE)
+DUMMY_TYPES = range(0x0001, 0x0020)  # data types that fill gaps of a mapping, no objects (CiA 301)
+STANDARD_DUMMIES = range(1, 8)
+KNOWN_TYPES = {*ODVariable.STRUCT_TYPES, *DATA_TYPES, *eds_values.TIMES}
+ACCESS = {"r": "ro", "w": "wo", "read": "ro", "write": "wo", "readonly": "ro", "read/write": "rw"}
+KNOWN_ACCESS = ("ro", "wo", "rw", "rwr", "rww", "const")
+BIT_RATES = (10, 20, 50, 125, 250, 500, 800, 1000)  # kbit/s
+UNCONFIGURED = 255
+MOST_LINES = 10_000  # of a comment
+HIGHEST_SUB = 0xFE
+LIMITS = {"LowLimit": "min", "HighLimit": "max"}
+
+
+class Dictionary(ObjectDictionary):
+    """A name that several objects have stands for none of them."""
+
+    def __init__(self) -> None:
+        super().__init__()  # type: ignore[no-untyped-call]
+        self.ambiguous: dict[str, list[int]] = {}
+        """The indices behind such a name."""
+
+    def add_object(self, item: Any) -> None:
+        """Add an object, by its index and by its name."""
+        other = self.names.get(item.name)
+        super().add_object(item)
+        if other is not None and other.index != item.index:
+            self.ambiguous.setdefault(item.name, [other.index]).append(item.index)
+
+    def __getitem__(self, key: int | str) -> Any:
+        if key in self.ambiguous:
+            indices = " and ".join(f"0x{index:04X}" for index in self.ambiguous[str(key)])
+            raise KeyError(f"{key!r} is the name of {indices}: say which by its index")
+        return super().__getitem__(key)
+
+
+@dataclass
+class Eds:
+    """What a file says."""
+
+    dictionary: Dictionary
+    """For node id 0."""
+    relative: list[tuple[ODVariable, str]] = field(default_factory=list)
+    """Variables with the attributes to which the node id has to be added."""
+    remarks: list[Remark] = field(default_factory=list)
+    """What is wrong or unusual in it, in the order of its lines."""
+    node_id: int | None = None
+    """That of a DCF: 1..127, or 255 for a node that has none yet."""
+    node_name: str = ""
+
+
+def entries_of(item: Any) -> dict[int, ODVariable]:
+    """The entries of an object of canopen by sub-index, whatever kind of object it is."""
+    return {0: item} if isinstance(item, ODVariable) else item.subindices
+
+
+def read_eds(path: Path) -> Eds:
+    """Read a file.
+
+    Raises:
+        UserError: it cannot be read, is no text, or describes no object.
+    """
+    sections = read_sections(path)
+    reader = EdsReader(sections, path)
+    if not reader.objects:
+        raise UserError(f"{path} is no EDS file: it has no object, such as [1000]")
+    return reader.read()
+
+
+class EdsReader:
+    """Reads sections once: makes an entry of each, or a remark."""
+
+    def __init__(self, sections: Sections, path: Path) -> None:
+        self._sections = sections
+        self._path = path
+        self.objects: dict[int, Section] = {}
+        self._subs: dict[int, dict[int, Section]] = {}
+        self._lists: dict[tuple[int, str], Section] = {}
+        self._eds = Eds(Dictionary(), remarks=list(sections.remarks))
+        self._sort()
+
+    def read(self) -> Eds:
+        """The whole file."""
+        self._read_information()
+        self._read_commissioning()
+        self._read_dummies()
+        for index in sorted({*self.objects, *self._subs}):
+            if index not in DUMMY_TYPES:
+                self._read_object(index)
+        self._eds.remarks += check(self._sections, self.objects, self._entries)
+        self._eds.remarks.sort(key=lambda remark: remark.line)
+        return self._eds
+
+    @property
+    def _entries(self) -> dict[tuple[int, int], ODVariable]:
+        return {
+            (index, subindex): variable
+            for index, item in self._eds.dictionary.indices.items()
+            for subindex, variable in entries_of(item).items()
+        }
+
+    def _remark(self, section: Section, words: str, at: Field | None = None) -> None:
+        line = section.line if at is None else at.line
+        self._eds.remarks.append(Remark(line, section.name, words))
+
+    def _sort(self) -> None:
+        for section in self._sections.values():
+            if match := OBJECT.fullmatch(section.name):
+                index, sub = int(match[1], 16), match[2]
+                if section.name[:2] in {"0x", "0X"}:
+                    self._remark(section, "has 0x before the index: read without it")
+                if sub is None:
+                    self.objects[index] = section
+                else:
+                    self._subs.setdefault(index, {})[int(sub, 16)] = section
+            elif match := LIST.fullmatch(section.name):
+                self._lists[int(match[1], 16), match[2].lower()] = section
+
+    # what stands before the objects
+
+    def _read_information(self) -> None:
+        dictionary = self._eds.dictionary
+        comments = self._sections.section("Comments")
+        lines = range(1, 1 + (self._count(comments, "Lines") or 0) % MOST_LINES)
+        dictionary.comments = "\n".join(comments.text(f"Line{line}") for line in lines)
+        file = self._sections.section("FileInfo")
+        if file:  # where canopen looks for it when it writes a file
+            written = {field.key: field.text for field in file.values()}
+            setattr(dictionary, "__edsFileInfo", written)
+        section, information = self._sections.section("DeviceInfo"), self._device_information
+        for rate in BIT_RATES:
+            if self._count(section, f"BaudRate_{rate}"):
+                information.allowed_baudrates.add(rate * 1000)
+        for key, name in (
+            ("VendorName", "vendor_name"),
+            ("ProductName", "product_name"),
+            ("OrderCode", "order_code"),
+        ):
+            if key in section:
+                setattr(information, name, section[key].text)
+        for key, name in (
+            ("VendorNumber", "vendor_number"),
+            ("ProductNumber", "product_number"),
+            ("RevisionNumber", "revision_number"),
+            ("NrOfRXPDO", "nr_of_RXPDO"),
+            ("NrOfTXPDO", "nr_of_TXPDO"),
+        ):
+            setattr(information, name, self._count(section, key))
+        for key, name in (
+            ("SimpleBootUpMaster", "simple_boot_up_master"),
+            ("SimpleBootUpSlave", "simple_boot_up_slave"),
+            ("Granularity", "granularity"),
+            ("DynamicChannelsSupported", "dynamic_channels_supported"),
+            ("GroupMessaging", "group_messaging"),
+            ("LSS_Supported", "LSS_supported"),
+        ):
+            number = self._count(section, key)
+            setattr(information, name, None if number is None else bool(number))
+
+    @property
+    def _device_information(self) -> Any:
+        return self._eds.dictionary.device_information
+
+    def _read_commissioning(self) -> None:
+        """Of a DCF. The standard spells it with one m, some tools as it should be."""
+        for name in ("DeviceComissioning", "DeviceCommissioning"):
+            if name in self._sections:
+                self._commission(self._sections[name])
+
+    def _commission(self, section: Section) -> None:
+        node_id = self._count(section, "NodeID")
+        if node_id is not None and node_id != UNCONFIGURED and not 1 <= node_id <= 127:
+            self._remark(section, f"NodeID {node_id} is not in 1..127: ignored", section["NodeID"])
+            node_id = None
+        self._eds.node_id = node_id
+        self._eds.node_name = section.text("NodeName")
+        self._eds.dictionary.node_id = 0
+        if rate := self._count(section, "Baudrate"):
+            self._eds.dictionary.bitrate = rate * 1000
+
+    def _read_dummies(self) -> None:
+        section = self._sections.section("DummyUsage")
+        if "DummyUsage" not in self._sections:
+            allowed = dict.fromkeys(STANDARD_DUMMIES, 1)
+            self._remark(
+                section, "there is no [DummyUsage]: the types 1 to 7 may fill gaps of RPDOs"
+            )
+        else:
+            keys = {int(match[1], 16): key for key in section if (match := DUMMY.fullmatch(key))}
+            allowed = {index: self._count(section, key) or 0 for index, key in keys.items()}
+        for index in sorted(index for index, is_allowed in allowed.items() if is_allowed):
+            if index in DUMMY_TYPES:
+                dummy = ODVariable(f"Dummy{index:04X}", index, 0)
+                dummy.data_type = index
+                dummy.access_type = "const"
+                self._eds.dictionary.add_object(dummy)
+
+    def _count(self, section: Section, key: str) -> int | None:
+        """A number that is no value of an object; none if there is none, or it is none."""
+        text = section.text(key)
+        if not text:
+            if key in section:
+                self._remark(section, f"{key} is empty: as if it were not there", section[key])
+            return None
+        try:
+            found = eds_values.count(text)
+        except ValueError as failure:
+            self._remark(section, f"{key}: {failure}: ignored", section[key])
+            return None
+        if found.doubt:
+            self._remark(section, f"{key}: {found.doubt}", section[key])
+        return int(found.value)
+
+    # objects
+
+    def _read_object(self, index: int) -> None:
+        section = self.objects.get(index)
+        subs = self._subs.get(index, {})
+        if section is None:
+            section = Section(f"{index:04X}", min(sub.line for sub in subs.values()))
+            self._remark(
+                section, f"there is no [{index:04X}] for its sub-indices: a record is made"
+            )
+            kind = RECORD
+        else:
+            kind = self._object_type(section, bool(subs))
+        item: Any = None
+        if kind in SINGLE:
+            item = self._variable(section, index, 0, domain=kind == DOMAIN_OBJECT)
+        elif kind in COMPOUND:
+            item = self._compound(section, index, kind, subs)
+        if item is not None:
+            self._eds.dictionary.add_object(item)
+
+    def _object_type(self, section: Section, has_subs: bool) -> int:
+        """What is not said is a variable, or a record if it has sub-indices."""
+        otherwise = RECORD if has_subs else VAR
+        kind = self._count(section, "ObjectType")
+        if kind is None:
+            if has_subs:
+                self._remark(section, "has sub-indices but no ObjectType: a record")
+            return otherwise
+        if kind == NULL:
+            self._remark(section, "is of the object type NULL: left out")
+        elif kind not in SINGLE + COMPOUND:
+            self._remark(section, f"there is no object type {kind}", section["ObjectType"])
+            return otherwise
+        elif kind in SINGLE and has_subs:
+            self._remark(section, "is a variable but has sub-indices: a record")
+            return RECORD
+        return kind
+
+    def _compound(
+        self, section: Section, index: int, kind: int, subs: Mapping[int, Section]
+    ) -> Any:
+        make: Any = ODArray if kind == ARRAY else ODRecord
+        item = make(self._name(section, f"0x{index:04X}"), index)
+        item.storage_location = section.text("StorageLocation") or None
+        members = [*self._compact(section, index)]
+        members += [self._variable(subs[subindex], index, subindex) for subindex in sorted(subs)]
+        for variable in members:
+            if variable is not None:
+                item.add_member(variable)
+        if 0 not in item.subindices:
+            item.add_member(self._highest_sub(section, index, item.subindices))
+        self._check_sub_number(section, item)
+        return item
+
+    def _highest_sub(self, section: Section, index: int, subs: Mapping[int, object]) -> ODVariable:
+        self._remark(section, "has no sub-index 0: it tells the highest there is")
+        variable = ODVariable("Highest sub-index", index, 0)
+        variable.data_type = UNSIGNED8
+        variable.access_type = "ro"
+        variable.default = max((sub for sub in subs if sub <= HIGHEST_SUB), default=0)
+        return variable
+
+    def _check_sub_number(self, section: Section, item: ODArray | ODRecord) -> None:
+        """SubNumber counts the sub-indices there are, FFh left out (CiA 306, 4.6.3.2)."""
+        if "SubNumber" not in section or self._compact_count(section):
+            return
+        said = self._count(section, "SubNumber")
+        there = sum(sub <= HIGHEST_SUB for sub in item.subindices)
+        if said is not None and said != there:
+            self._remark(
+                section, f"SubNumber is {said}, but there are {there}", section["SubNumber"]
+            )
+
+    def _compact_count(self, section: Section) -> int:
+        number = self._count(section, "CompactSubObj") if section.text("CompactSubObj") else 0
+        return min(number or 0, HIGHEST_SUB)
+
+    def _compact(self, section: Section, index: int) -> Iterator[ODVariable | None]:
+        """CompactSubObj: so many sub-indices like their object (CiA 306, 4.6.3.4.2)."""
+        number = self._compact_count(section)
+        if not number:
+            return
+        names, values = self._list(index, "name"), self._list(index, "value")
+        names |= self._list(index, "denotation")
+        count = ODVariable("NrOfObjects", index, 0)
+        count.data_type, count.access_type, count.default = UNSIGNED8, "ro", number
+        if 0 in values:
+            self._give(section, count, "default", values[0])
+        yield count
+        for subindex in range(1, number + 1):
+            variable = self._variable(section, index, subindex)
+            if variable is None:
+                return
+            own = names.get(subindex)
+            variable.name = own.text if own else f"{variable.name}{subindex}"
+            if subindex in values:
+                self._give(section, variable, "value", values[subindex])
+            yield variable
+
+    def _list(self, index: int, kind: str) -> dict[int, Field]:
+        """What a list such as [2100Name] says, by decimal sub-index; it may have gaps."""
+        section = self._lists.get((index, kind))
+        if section is None:
+            return {}
+        found = {int(key): section[key] for key in section if key.isdigit() and section.text(key)}
+        said = self._count(section, "NrOfEntries")
+        if said is not None and said != len(found):
+            self._remark(section, f"NrOfEntries is {said}, but there are {len(found)}")
+        return {key: each for key, each in found.items() if key <= HIGHEST_SUB}
+
+    def _name(self, section: Section, otherwise: str) -> str:
+        for key in ("Denotation", "ParameterName"):
+            if words := eds_values.uncommented_words(section.text(key)):
+                return words
+        self._remark(section, f"has no ParameterName: it is called {otherwise}")
+        return otherwise
+
+    def _variable(
+        self, section: Section, index: int, subindex: int, domain: bool = False
+    ) -> ODVariable | None:
+        told = self._data_type(section, domain)
+        if told is None:
+            return None
+        otherwise = f"0x{index:04X}:{subindex:02X}" if subindex else f"0x{index:04X}"
+        variable: Any = ODVariable(self._name(section, otherwise), index, subindex)
+        variable.storage_location = section.text("StorageLocation") or None
+        variable.data_type = told if told in KNOWN_TYPES else DOMAIN
+        variable.access_type = self._access(section, domain)
+        if section.text("PDOMapping"):
+            variable.pdo_mappable = bool(self._count(section, "PDOMapping"))
+        for key, name in (("DefaultValue", "default"), ("ParameterValue", "value")):
+            if text := section.text(key):
+                self._give(section, variable, name, section[key], told)
+                setattr(variable, f"{name}_raw", text)
+        self._limit(section, variable)
+        self._describe(section, variable)
+        return cast(ODVariable, variable)
+
+    def _data_type(self, section: Section, domain: bool) -> int | None:
+        number = self._count(section, "DataType")
+        if number is None:
+            if domain:
+                return DOMAIN
+            self._remark(section, "has no DataType: left out")
+            return None
+        if number in KNOWN_TYPES:
+            return number
+        of_maker = self._sections.section(f"{number:X}sub1").text("DefaultValue")
+        if of_maker:  # CanFestival's editor describes types with ranges so
+            try:
+                return int(eds_values.count(of_maker).value)
+            except ValueError:
+                pass
+        words = f"data type 0x{number:04X} is none of CiA 301: served as the bytes it has"
+        self._remark(section, words, section["DataType"])
+        return number
+
+    def _access(self, section: Section, domain: bool) -> str:
+        word = eds_values.uncommented(section.text("AccessType")).lower().strip("\"'")
+        if word in KNOWN_ACCESS:
+            return word
+        if not word and domain:
+            return "rw"
+        access = ACCESS.get(word, "ro")
+        told = f"AccessType {section.text('AccessType')!r} is" if word else "AccessType is missing:"
+        self._remark(section, f"{told} taken for {access}", section.get("AccessType"))
+        return access
+
+    def _give(
+        self,
+        section: Section,
+        variable: Any,
+        name: str,
+        at: Field,
+        data_type: int | None = None,
+    ) -> None:
+        """Set an attribute to the value that a field has; a remark if it has none."""
+        try:
+            found = eds_values.value(at.text, data_type or variable.data_type)
+        except ValueError as failure:
+            self._remark(section, f"{at.key}: {failure}: as if it were not there", at)
+            return
+
+        if found.doubt:
+            self._remark(section, f"{at.key}: {found.doubt}", at)
+        setattr(variable, name, found.value)
+        if found.relative:
+            variable.relative = True
+            self._eds.relative.append((variable, name))
+
+    def _limit(self, section: Section, variable: ODVariable) -> None:
+        """Limits that leave nothing to write are none: tools write 0 and 0 where nobody set any."""
+        for key, name in LIMITS.items():
+            if section.text(key):
+                self._give(section, variable, name, section[key])
+        low, high = variable.min, variable.max
+        if low is None or high is None:
+            return
+        if low > high or (low == high and variable.writable):
+            words = f"LowLimit {low} and HighLimit {high} leave nothing between them: no limits"
+            self._remark(section, words, section["LowLimit"])
+            variable.min = variable.max = None
+        elif isinstance(variable.default, int | float) and not low <= variable.default <= high:
+            words = f"DefaultValue {variable.default} is not in {low}..{high}: it stays"
+            self._remark(section, words, section.get("DefaultValue"))
+
+    def _describe(self, section: Section, variable: ODVariable) -> None:
+        """Keys that canopen writes beside those of the standard."""
+        variable.unit = section.text("Unit")
+        if "Description" in section:
+            variable.description = section["Description"].text
+        if text := section.text("Factor"):
+            try:
+                variable.factor = float(text)
+            except ValueError:
+                self._remark(section, f"Factor {text!r} is no number: ignored", section["Factor"])
