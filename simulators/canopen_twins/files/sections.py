@@ -6,7 +6,7 @@ all of that is taken, and remarked upon where somebody may have meant something 
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -62,10 +62,30 @@ class Section(Mapping[str, Field]):
     def __len__(self) -> int:
         return len(self._fields)
 
+    @classmethod
+    def of(cls, name: str, line: int, keys: Mapping[str, str]) -> "Section":
+        """A section that a file tells in another way, in one of its lines."""
+        section = cls(name, line)
+        for key, text in keys.items():
+            section.put(key, text, line)
+        return section
+
+    def renamed(self, name: str, keys: Mapping[str, str] | None = None) -> "Section":
+        """The same by another name, with other texts behind some keys."""
+        section = Section(name, self.line)
+        section._fields = dict(self._fields)
+        for key, text in (keys or {}).items():
+            section.put(key, text, self.line)
+        return section
+
+    def put(self, key: str, text: str, line: int) -> None:
+        """Let a text stand behind a key."""
+        self._fields[key.lower()] = Field(text, line, key)
+
     def text(self, key: str, default: str = "") -> str:
         """What stands behind a key."""
         field = self._fields.get(key.lower())
-        return default if field is None else field.text
+        return field.text if field and field.text else default
 
     def take(self, field: Field) -> Field | None:
         """Take a field in; the one of the same key that gives way, if there is one."""
@@ -87,7 +107,8 @@ class Sections(Mapping[str, Section]):
             if line.startswith("[") and (header := HEADER.fullmatch(line)):
                 section = self._begin(header[1], number)
             elif section is None:
-                self._remark(number, "", f"{_short(line)} stands before the first section: ignored")
+                words = f"{_short(line)} stands before the first section: ignored"
+                self.remarks.append(Remark(number, "", words))
             else:
                 self._read(section, number, line)
 
@@ -104,28 +125,38 @@ class Sections(Mapping[str, Section]):
         """A section by its name; an empty one if there is none."""
         return self._sections.get(name.lower()) or Section(name, 0)
 
+    def add(self, sections: Iterable[Section]) -> None:
+        """Add sections whose names are not there yet."""
+        for section in sections:
+            self._sections.setdefault(section.name.lower(), section)
+
+    def put(self, section: Section) -> None:
+        """Add a section in place of the one of its name."""
+        self._sections[section.name.lower()] = section
+
+    def remark(self, section: Section, words: str, line: int | None = None) -> None:
+        """Remark on a section, or on one of its lines."""
+        self.remarks.append(Remark(section.line if line is None else line, section.name, words))
+
     def _begin(self, name: str, number: int) -> Section:
         section = self._sections.get(name.lower())
         if section is None:
             section = self._sections[name.lower()] = Section(name, number)
         else:
             words = f"is there in line {section.line} already: what stands here holds"
-            self._remark(number, name, words)
             section.line = number
+            self.remark(section, words)
         return section
 
     def _read(self, section: Section, number: int, line: str) -> None:
         key, equals, text = line.partition("=")
         if not equals:
-            self._remark(number, section.name, f"{_short(line)} is no KEY=VALUE: ignored")
+            self.remark(section, f"{_short(line)} is no KEY=VALUE: ignored", number)
             return
         before = section.take(Field(text.strip(), number, key.strip()))
         if before is not None and before.line >= section.line:
             words = f"{before.key} is there in line {before.line} already: what stands here holds"
-            self._remark(number, section.name, words)
-
-    def _remark(self, line: int, section: str, words: str) -> None:
-        self.remarks.append(Remark(line, section, words))
+            self.remark(section, words, number)
 
 
 def read_sections(path: Path) -> Sections:

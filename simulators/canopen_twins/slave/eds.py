@@ -6,7 +6,7 @@ that one entry; only a file without any object is refused.
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, cast
@@ -17,8 +17,9 @@ from canopen.objectdictionary.datatypes import DATA_TYPES, DOMAIN, UNSIGNED8
 
 from canopen_twins.errors import UserError
 from canopen_twins.files.sections import Field, Remark, Section, Sections, read_sections
-from canopen_twins.slave import eds_values
+from canopen_twins.slave import eds_values, xdd
 from canopen_twins.slave.eds_check import check
+from canopen_twins.slave.eds_short import add_compact_pdos, add_modules
 
 NULL, DOMAIN_OBJECT, DEFTYPE, DEFSTRUCT, VAR, ARRAY, RECORD = 0, 2, 5, 6, 7, 8, 9
 SINGLE = (DOMAIN_OBJECT, DEFTYPE, VAR)
@@ -80,13 +81,21 @@ def entries_of(item: Any) -> dict[int, ODVariable]:
     return {0: item} if isinstance(item, ODVariable) else item.subindices
 
 
-def read_eds(path: Path) -> Eds:
+def read_eds(path: Path, modules: Sequence[int] | None = None) -> Eds:
     """Read a file.
+
+    Args:
+        path: The file.
+        modules: What is plugged into a modular coupler, by the numbers of its file; none for the
+            modules that a DCF lists.
 
     Raises:
         UserError: it cannot be read, is no text, or describes no object.
     """
-    sections = read_sections(path)
+    is_xml = path.suffix.lower() in xdd.SUFFIXES
+    sections = xdd.read_xdd(path) if is_xml else read_sections(path)
+    add_compact_pdos(sections)
+    add_modules(sections, modules)
     reader = EdsReader(sections, path)
     if not reader.objects:
         raise UserError(f"{path} is no EDS file: it has no object, such as [1000]")
