@@ -6,9 +6,9 @@ from functools import cache
 from canopen import ObjectDictionary
 
 from canopen_twins.files.shipped import od_file
-from canopen_twins.slave.eds import DUMMY_TYPES as DUMMIES
-from canopen_twins.slave.eds import entries_of as variables
-from canopen_twins.slave.eds import read_eds
+from canopen_twins.slave.eds.reader import DUMMY_TYPES as DUMMIES
+from canopen_twins.slave.eds.reader import entries_of as variables
+from canopen_twins.slave.eds.reader import read_eds
 
 __all__ = ["DUMMIES", "dictionary", "variables"]
 

@@ -94,6 +94,8 @@ def _integer(text: str, data_type: int) -> Value:
     found = _formula(text) if NODE_ID.search(text) else _whole(text, octal=True)
     bits = ODVariable.STRUCT_TYPES[data_type].size * 8
     number = int(found.value)
+    if found.relative and -(1 << bits) < number < 1 << bits:
+        return found
     lowest, highest = (-(1 << bits - 1), (1 << bits - 1) - 1)
     if data_type in UNSIGNED_TYPES:
         if lowest <= number < 0:

@@ -11,12 +11,13 @@ from dataclasses import dataclass
 from canopen.objectdictionary import ODVariable
 
 from canopen_twins.files.sections import Section, Sections
-from canopen_twins.slave import eds_values
+from canopen_twins.slave.eds import values
 
 ARRAY, RECORD, VAR = "0x8", "0x9", "0x7"
 UNSIGNED8, UNSIGNED16, UNSIGNED32 = "0x0005", "0x0006", "0x0007"
 HIGHEST_SUB = 0xFE
 MOST_PDOS = 512
+MOST_PARTS = 64  # of a mapping
 PREDEFINED = 4  # PDOs with an identifier of their own (CiA 301, 7.3.3)
 NO_PDO = "0x80000000"
 MOST_MODULES = 254
@@ -35,7 +36,7 @@ COMMUNICATION = {  # sub-index: name, data type, default
 def number(section: Section, key: str, otherwise: int = 0) -> int:
     """A count; `otherwise` if it is not there or none."""
     try:
-        return int(eds_values.count(section.text(key)).value)
+        return int(values.count(section.text(key)).value)
     except ValueError:
         return otherwise
 
@@ -207,7 +208,7 @@ def _shorten_mappings(sections: Sections) -> None:
 
 def _shorten(sections: Sections, index: int, count: Section) -> None:
     told = number(count, "DefaultValue")
-    for sub in range(1, told + 1):
+    for sub in range(1, min(told, MOST_PARTS) + 1):
         mapped = number(sections.section(f"{index:04X}sub{sub:X}"), "DefaultValue")
         target = f"{mapped >> 16:04X}"
         entry = f"{target}sub{mapped >> 8 & 0xFF:X}"

@@ -17,19 +17,20 @@ from canopen.objectdictionary.datatypes import DATA_TYPES, DOMAIN, UNSIGNED8
 
 from canopen_twins.errors import UserError
 from canopen_twins.files.sections import Field, Remark, Section, Sections, read_sections
-from canopen_twins.slave import eds_values, xdd
-from canopen_twins.slave.eds_check import check
-from canopen_twins.slave.eds_short import add_compact_pdos, add_modules
+from canopen_twins.slave.eds import values, xdd
+from canopen_twins.slave.eds.check import check
+from canopen_twins.slave.eds.short_forms import add_compact_pdos, add_modules
 
 NULL, DOMAIN_OBJECT, DEFTYPE, DEFSTRUCT, VAR, ARRAY, RECORD = 0, 2, 5, 6, 7, 8, 9
 SINGLE = (DOMAIN_OBJECT, DEFTYPE, VAR)
 COMPOUND = (DEFSTRUCT, ARRAY, RECORD)
 OBJECT = re.compile(r"(?:0[xX])?([0-9A-Fa-f]{1,4})(?:sub([0-9A-Fa-f]{1,2}))?", re.IGNORECASE)
 LIST = re.compile(r"(?:0[xX])?([0-9A-Fa-f]{1,4})(Name|Value|Denotation)", re.IGNORECASE)
+SUB = re.compile("[0-9]{1,3}")
 DUMMY = re.compile(r"Dummy([0-9A-Fa-f]{1,4})", re.IGNORECASE)
 DUMMY_TYPES = range(0x0001, 0x0020)  # data types that fill gaps of a mapping, no objects (CiA 301)
 STANDARD_DUMMIES = range(1, 8)
-KNOWN_TYPES = {*ODVariable.STRUCT_TYPES, *DATA_TYPES, *eds_values.TIMES}
+KNOWN_TYPES = {*ODVariable.STRUCT_TYPES, *DATA_TYPES, *values.TIMES}
 ACCESS = {"r": "ro", "w": "wo", "read": "ro", "write": "wo", "readonly": "ro", "read/write": "rw"}
 KNOWN_ACCESS = ("ro", "wo", "rw", "rwr", "rww", "const")
 BIT_RATES = (10, 20, 50, 125, 250, 500, 800, 1000)  # kbit/s
@@ -156,7 +157,7 @@ class EdsReader:
     def _read_information(self) -> None:
         dictionary = self._eds.dictionary
         comments = self._sections.section("Comments")
-        lines = range(1, 1 + (self._count(comments, "Lines") or 0) % MOST_LINES)
+        lines = range(1, 1 + min(self._count(comments, "Lines") or 0, MOST_LINES))
         dictionary.comments = "\n".join(comments.text(f"Line{line}") for line in lines)
         file = self._sections.section("FileInfo")
         if file:  # where canopen looks for it when it writes a file
@@ -238,7 +239,7 @@ class EdsReader:
                 self._remark(section, f"{key} is empty: as if it were not there", section[key])
             return None
         try:
-            found = eds_values.count(text)
+            found = values.count(text)
         except ValueError as failure:
             self._remark(section, f"{key}: {failure}: ignored", section[key])
             return None
@@ -253,9 +254,7 @@ class EdsReader:
         subs = self._subs.get(index, {})
         if section is None:
             section = Section(f"{index:04X}", min(sub.line for sub in subs.values()))
-            self._remark(
-                section, f"there is no [{index:04X}] for its sub-indices: a record is made"
-            )
+            self._remark(section, "is not there, but its sub-indices are: a record is made")
             kind = RECORD
         else:
             kind = self._object_type(section, bool(subs))
@@ -329,21 +328,21 @@ class EdsReader:
         number = self._compact_count(section)
         if not number:
             return
-        names, values = self._list(index, "name"), self._list(index, "value")
+        names, own = self._list(index, "name"), self._list(index, "value")
         names |= self._list(index, "denotation")
         count = ODVariable("NrOfObjects", index, 0)
         count.data_type, count.access_type, count.default = UNSIGNED8, "ro", number
-        if 0 in values:
-            self._give(section, count, "default", values[0])
+        if 0 in own:
+            self._give(section, count, "default", own[0])
         yield count
         for subindex in range(1, number + 1):
             variable = self._variable(section, index, subindex)
             if variable is None:
                 return
-            own = names.get(subindex)
-            variable.name = own.text if own else f"{variable.name}{subindex}"
-            if subindex in values:
-                self._give(section, variable, "value", values[subindex])
+            name = names.get(subindex)
+            variable.name = name.text if name else f"{variable.name}{subindex}"
+            if subindex in own:
+                self._give(section, variable, "value", own[subindex])
             yield variable
 
     def _list(self, index: int, kind: str) -> dict[int, Field]:
@@ -351,7 +350,9 @@ class EdsReader:
         section = self._lists.get((index, kind))
         if section is None:
             return {}
-        found = {int(key): section[key] for key in section if key.isdigit() and section.text(key)}
+        found = {
+            int(key): section[key] for key in section if SUB.fullmatch(key) and section.text(key)
+        }
         said = self._count(section, "NrOfEntries")
         if said is not None and said != len(found):
             self._remark(section, f"NrOfEntries is {said}, but there are {len(found)}")
@@ -359,7 +360,7 @@ class EdsReader:
 
     def _name(self, section: Section, otherwise: str) -> str:
         for key in ("Denotation", "ParameterName"):
-            if words := eds_values.uncommented_words(section.text(key)):
+            if words := values.uncommented_words(section.text(key)):
                 return words
         self._remark(section, f"has no ParameterName: it is called {otherwise}")
         return otherwise
@@ -397,7 +398,7 @@ class EdsReader:
         of_maker = self._sections.section(f"{number:X}sub1").text("DefaultValue")
         if of_maker:  # CanFestival's editor describes types with ranges so
             try:
-                return int(eds_values.count(of_maker).value)
+                return int(values.count(of_maker).value)
             except ValueError:
                 pass
         words = f"data type 0x{number:04X} is none of CiA 301: served as the bytes it has"
@@ -405,7 +406,7 @@ class EdsReader:
         return number
 
     def _access(self, section: Section, domain: bool) -> str:
-        word = eds_values.uncommented(section.text("AccessType")).lower().strip("\"'")
+        word = values.uncommented(section.text("AccessType")).lower().strip("\"'")
         if word in KNOWN_ACCESS:
             return word
         if not word and domain:
@@ -425,7 +426,7 @@ class EdsReader:
     ) -> None:
         """Set an attribute to the value that a field has; a remark if it has none."""
         try:
-            found = eds_values.value(at.text, data_type or variable.data_type)
+            found = values.value(at.text, data_type or variable.data_type)
         except ValueError as failure:
             self._remark(section, f"{at.key}: {failure}: as if it were not there", at)
             return

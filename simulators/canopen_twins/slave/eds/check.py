@@ -1,17 +1,19 @@
 """What is unusual in the dictionary of a file, once its objects are read: lists, identity, PDOs."""
 
+import re
 from collections.abc import Iterator
 
 from canopen.objectdictionary import ODVariable
 
 from canopen_twins.files.sections import Remark, Section, Sections
-from canopen_twins.slave import eds_values
+from canopen_twins.slave.eds import values
 
 LISTS = ("MandatoryObjects", "OptionalObjects", "ManufacturerObjects")
 IDENTITY = {"VendorNumber": 1, "ProductNumber": 2, "RevisionNumber": 3}
 RPDO, TPDO = range(0x1400, 0x1600), range(0x1800, 0x1A00)
 MAPPING = 0x200  # from the communication record of a PDO to its mapping
 LONGEST_PDO = 64  # bits
+NUMBERED = re.compile("[0-9]{1,5}")
 Objects = dict[int, Section]
 Entries = dict[tuple[int, int], ODVariable]
 
@@ -37,7 +39,7 @@ def _lists(sections: Sections, objects: Objects) -> Iterator[Remark]:
     listed: dict[int, Remark] = {}
     for section in map(sections.section, LISTS):
         for key in section:
-            if key.isdigit() and (number := _number(section.text(key))) is not None:
+            if NUMBERED.fullmatch(key) and (number := _number(section.text(key))) is not None:
                 words = f"lists 0x{number:04X}, which is not there"
                 listed[number] = Remark(section[key].line, section.name, words)
     yield from (remark for index, remark in listed.items() if index not in objects)
@@ -67,7 +69,7 @@ def _pdo(name: str, index: int, objects: Objects, entries: Entries) -> Iterator[
         return
     number = entries.get((index + MAPPING, 0))
     bits = 0
-    for subindex in range(1, 1 + _value(number)):
+    for subindex in range(1, 1 + min(_value(number), LONGEST_PDO)):
         part = _value(entries.get((index + MAPPING, subindex)))
         target, length = (part >> 16, part >> 8 & 0xFF), part & 0x7F
         bits += length
@@ -88,6 +90,6 @@ def _value(variable: ODVariable | None) -> int:
 
 def _number(text: str) -> int | None:
     try:
-        return int(eds_values.count(text).value) if text else None
+        return int(values.count(text).value) if text else None
     except ValueError:
         return None
