@@ -14,7 +14,9 @@ HEAD = """<?xml version="1.0" encoding="utf-8"?>
       <dev:vendorName>nobody</dev:vendorName><dev:vendorID>0x123</dev:vendorID>
     </dev:DeviceIdentity>
     <dev:ApplicationProcess><dev:parameterList>
-      <dev:parameter uniqueID="p1" access="readWrite"><dev:UINT/><dev:defaultValue value="7"/></dev:parameter>
+      <dev:parameter uniqueID="p1" access="readWrite">
+        <dev:UINT/><dev:defaultValue value="7"/>
+      </dev:parameter>
     </dev:parameterList></dev:ApplicationProcess>
   </dev:ProfileBody></dev:ISO15745Profile>
   <dev:ISO15745Profile><dev:ProfileBody>
