@@ -54,7 +54,7 @@ class Device:
     says so.
 
     Raises:
-        UserError: settings that are unknown or of the wrong kind, or a class that is not complete.
+        UserError: settings that are unknown or of the wrong kind.
     """
 
     eds: str
@@ -68,13 +68,12 @@ class Device:
     """Seconds between two steps, whole microseconds."""
 
     def __init__(self, **given: object) -> None:
-        self.complete()
         self.memory = Memory()
         self.configure(**given)
 
     @classmethod
     def complete(cls) -> None:
-        """Look at what its author has written, before anybody makes one.
+        """Look at what its author has written, before it is listed and before it has power.
 
         Raises:
             UserError: it has no title or no EDS, or there is no such file.

@@ -172,9 +172,14 @@ class Node:
         return self.device.node_id if self._stack is None else self._stack.slave.node_id
 
     def power_on(self) -> None:
-        """Switch the supply on; without effect if it is."""
+        """Switch the supply on; without effect if it is.
+
+        Raises:
+            UserError: something is wrong with the class of the device.
+        """
         if self.powered:
             return
+        self.device.complete()
         self.powered = True
         self._stepped = self.clock.ticks
         self.device.make_model()
@@ -192,9 +197,8 @@ class Node:
         self.powered = False
         self._disarm()
 
-    @property
-    def present(self) -> Device:
-        """The device to look at: time has passed for it, and nothing has been sent."""
+    def look(self) -> Device:
+        """The device as it is at this moment: time has passed for it, and nothing is sent."""
         if self.powered:
             self._catch_up()
         return self.device
@@ -229,10 +233,15 @@ class Node:
         action()
         self._settle()
 
+    def settle(self) -> None:
+        """Let news go out of what has been done to the device by hand."""
+        with self.acting():
+            pass
+
     @contextmanager
     def acting(self) -> Iterator[Device]:
         """Act on the device at this moment: time has passed before, news goes out after."""
-        yield self.present
+        yield self.look()
         if self.powered:
             self._settle()
 
