@@ -3,6 +3,7 @@
 import struct
 from collections.abc import Callable
 from enum import IntEnum
+from math import isfinite
 from typing import Any, NamedTuple
 
 from canopen.objectdictionary import ODVariable, datatypes
@@ -147,7 +148,8 @@ class Entry:
     def _misread(self, value: object) -> str:
         index, subindex = self.address
         wanted = TYPES.get(self.variable.data_type or 0, "its type")
-        hint = f", {round(value)} would" if isinstance(value, float) else ""
+        whole = isinstance(value, float) and isfinite(value)
+        hint = f", {value:.0f} would" if whole else ""
         return (
             f"{self._owner}: the object 0x{index:04X}:{subindex:02X} {self.variable.name!r} reads"
             f" {value!r}, which does not fit {wanted}{hint}"
