@@ -7,9 +7,11 @@ project an entry point in the group `canopen_twins.devices` (name = "package:Cla
 from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
 from pkgutil import iter_modules
 
 from canopen_twins.device.device import Device
+from canopen_twins.devices import eds
 from canopen_twins.errors import UserError, unknown
 
 GROUP = "canopen_twins.devices"
@@ -20,14 +22,22 @@ def names() -> list[str]:
     return sorted({*_shipped(), *_installed()})
 
 
-def find(name: str) -> type[Device]:
+def find(name: str, beside: Path | None = None) -> type[Device]:
     """The class of a device.
 
+    Args:
+        name: Of a device, or the path of a file that describes one.
+        beside: The folder where a relative path begins; the working directory without one.
+
     Raises:
-        UserError: there is no device of this name, or several, or it cannot be imported.
+        UserError: there is no device of this name, or several, or it cannot be imported; there is
+            no such file, or it describes no device.
     """
+    if eds.is_file(name):
+        return eds.device_of((beside or Path()) / name)
     if name not in names():
-        raise unknown("device", name, names())
+        told = unknown("device", name, names())
+        raise UserError(f"{told}; a path to an EDS, DCF, XDD or XDC file is one as well")
     installed = _installed().get(name, ())
     if name in _shipped() and not installed:
         device: type[Device] = import_module(f"{__name__}.{name}").Device
@@ -49,7 +59,7 @@ def create(name: str, **settings: object) -> Device:
 
 @cache
 def _shipped() -> frozenset[str]:
-    return frozenset(module.name for module in iter_modules(__path__))
+    return frozenset(module.name for module in iter_modules(__path__)) - {"eds"}
 
 
 @cache
