@@ -93,6 +93,11 @@ def heartbeat(node_id: int) -> int:
     return 0x700 + node_id
 
 
+def of_cob_id(value: int) -> int | None:
+    """The identifier of a COB-ID in the dictionary; none if bit 31 says that there is none."""
+    return None if value & INVALID else value & CAN_ID
+
+
 _RESTRICTED = (
     range(0x080),
     range(0x101, 0x181),

@@ -9,6 +9,9 @@ from binascii import crc_hqx
 from collections.abc import Iterator
 from enum import IntEnum
 
+from canopen_twins.bus import identifiers
+from canopen_twins.bus.frame import Frame
+
 Address = tuple[int, int]
 """Index and sub-index of an object."""
 
@@ -75,6 +78,18 @@ INITIATES = frozenset({*DOWNLOADS, *UPLOADS, *BLOCK_INITIATES})
 _COMMANDS = [bytes([command]) for command in range(0x100)]
 
 
+def is_request(frame: Frame, node_id: int) -> bool:
+    """Whether a frame asks the SDO server of a node."""
+    its = frame.can_id == identifiers.sdo_request(node_id) and not frame.remote
+    return its and len(frame.data) == LENGTH
+
+
+def is_answer(frame: Frame, node_id: int) -> bool:
+    """Whether a frame comes from the SDO server of a node."""
+    its = frame.can_id == identifiers.sdo_answer(node_id) and not frame.remote
+    return its and len(frame.data) == LENGTH
+
+
 def multiplexer(address: Address) -> bytes:
     """Index and sub-index as they stand in a frame."""
     index, subindex = address
@@ -139,6 +154,13 @@ def size(data: bytes) -> int | None:
     return int.from_bytes(data[4:8], "little")
 
 
+def with_size(data: bytes, size: int) -> bytes:
+    """An initiate that tells its size, with another one, whatever its data are."""
+    if is_expedited(data):
+        return _COMMANDS[data[0] & ~0x0C | EXPEDITED_ROOM - size << 2] + data[1:]
+    return data[:4] + size.to_bytes(4, "little")
+
+
 def value(data: bytes) -> bytes:
     """What an expedited initiate brings: all four bytes if it leaves open how many count."""
     return data[4 : 8 - (data[0] >> 2 & 3)] if data[0] & SIZED else data[4:8]
@@ -197,3 +219,40 @@ def block_value(data: bytes, received: bytes) -> bytes:
 def block_checksum(data: bytes) -> int:
     """The checksum at the end."""
     return int.from_bytes(data[1:3], "little")
+
+
+READ, WRITE = "read", "write"
+
+
+class Conversation:
+    """Which object client and server talk about, and how far they have come, seen from the bus.
+
+    `segment` is 0 for the initiate and counts the requests of the transfer after it.
+    """
+
+    def __init__(self) -> None:
+        self.address: Address | None = None
+        self.access = ""
+        """`READ` or `WRITE`."""
+        self.segment = 0
+        self._raw = False  # segments of a block download: their first byte is no command
+
+    def ask(self, data: bytes) -> None:
+        """The client has sent a request."""
+        if is_abort(data):
+            self.address, self._raw = None, False
+        elif data[0] in INITIATES and not self._raw:
+            reads = specifier(data) in (Ccs.UPLOAD, Ccs.BLOCK_UPLOAD)
+            self.address, self.access = address(data), READ if reads else WRITE
+            self.segment = 0
+            self._raw = specifier(data) == Ccs.BLOCK_DOWNLOAD
+        else:
+            self.segment += 1
+
+    def answer(self, data: bytes) -> None:
+        """The server has answered."""
+        if is_abort(data) or data[:1] == _END_OF_BLOCK_DOWNLOAD:
+            self._raw = False
+
+
+_END_OF_BLOCK_DOWNLOAD = _COMMANDS[Scs.BLOCK_DOWNLOAD << 5 | Sub.END]

@@ -4,17 +4,15 @@ import re
 from collections.abc import Iterator, Sequence
 from math import inf
 
+from canopen_twins.bus import identifiers as cob_ids
 from canopen_twins.bus.frame import Frame
 from canopen_twins.diagnosis.view import View
-from canopen_twins.slave import cob_id as cob_ids
 from canopen_twins.slave.emcy import emcy_id
 from canopen_twins.slave.nmt import ALL_NODES, TARGET
 from canopen_twins.slave.object import Address, Entry, Rejected
-from canopen_twins.slave.pdo import COB_ID, SYNCHRONOUS, TRANSMISSION_TYPE, carried
-from canopen_twins.slave.rpdo import Rpdo
+from canopen_twins.slave.pdo import COB_ID, SYNCHRONOUS, TRANSMISSION_TYPE, Rpdo, Tpdo, carried
 from canopen_twins.slave.service import State
 from canopen_twins.slave.slave import Slave
-from canopen_twins.slave.tpdo import Tpdo
 
 
 def values(view: View, slave: Slave, about: Sequence[Address], told: str) -> Iterator[str]:
@@ -164,7 +162,7 @@ def silence(view: View) -> str:
     if node.slave is None:
         reason = node.device.silence or "it has not booted"
         return f"the node is silent: {reason}{view.service('silence')}"
-    if node.wire.shut:
+    if node.slave.shut:
         reason = node.device.silence or "it has shut itself off for a while"
         return f"the node is off the bus: {reason}{view.service('silence')}"
     return ""

@@ -1,15 +1,15 @@
 """Why a device answered as it did, in words with the section of its manual.
 
 What follows from the node as it is (power, dictionary, settings, faults) is worked out when
-somebody asks; what does not, the diary of its wire has kept.
+somebody asks; what does not, the event log of its wire has kept.
 """
 
 from collections.abc import Sequence
 
 from canopen_twins.bus.segment import Record
 from canopen_twins.device.node import Node
-from canopen_twins.diagnosis import events, pdos, requests
 from canopen_twins.diagnosis.expected import missing, silence, sought
+from canopen_twins.diagnosis.frames import commands, emergencies, pdos, requests
 from canopen_twins.diagnosis.sections import Sections, sections
 from canopen_twins.diagnosis.view import View
 from canopen_twins.slave.object import Address
@@ -38,7 +38,7 @@ def why(
         about: The objects it is about.
     """
     view = View(node, records, since)
-    explain = (requests.explained, pdos.explained, events.commands, events.emergencies)
+    explain = (requests, pdos, commands, emergencies)
     places = {id(record): place for place, record in enumerate(records)}
     lines = [line for lines in explain for line in lines(view)]
     lines.sort(key=lambda line: places[id(line.record)])

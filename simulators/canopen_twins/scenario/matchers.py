@@ -15,7 +15,7 @@ from canopen_twins.device.node import Node
 from canopen_twins.scenario.targets import Target
 from canopen_twins.scenario.values import value_of
 from canopen_twins.slave.emcy import EMCY_LENGTH, emcy_id, emcy_of
-from canopen_twins.slave.heartbeat import STATE_BYTE
+from canopen_twins.slave.nmt import STATE_BYTE
 from canopen_twins.slave.object import Address, Rejected
 from canopen_twins.slave.service import State
 

@@ -3,10 +3,10 @@
 from collections.abc import Iterator, Mapping
 
 from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.identifiers import CAN_ID, INVALID
 from canopen_twins.device.node import Node
 from canopen_twins.scenario.matchers import Sent, Wrote
 from canopen_twins.scenario.player.downloads import Downloads
-from canopen_twins.slave.cob_id import CAN_ID, INVALID
 from canopen_twins.slave.object import Address
 from canopen_twins.slave.pdo import COB_ID, carried
 from canopen_twins.slave.slave import Slave
