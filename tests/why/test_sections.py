@@ -27,7 +27,11 @@ EMCY_CODES = {
 
 def shipped():
     """The devices of this project; those of others may have no table."""
-    return [name for name in devices.names() if devices.find(name).__module__.startswith("simul")]
+    return [
+        name
+        for name in devices.names()
+        if devices.find(name).__module__.startswith("canopen_twins.")
+    ]
 
 
 def addresses(od):
