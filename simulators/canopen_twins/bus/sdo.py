@@ -47,10 +47,7 @@ class Scs(IntEnum):
 
 
 class Sub(IntEnum):
-    """Sub-commands of a block transfer, of client and server alike.
-
-    Two bits where a confirmation is possible, else one: `Sub.END` is bit 0 of all that ends.
-    """
+    """Sub-commands of a block transfer, in the lowest bits of its commands, of whoever it is."""
 
     INITIATE = 0
     END = 1
@@ -58,16 +55,12 @@ class Sub(IntEnum):
     START = 3
 
 
-ABORT = 0x80
-"""The command of an abort, whoever aborts."""
-SIZED, EXPEDITED = 0x01, 0x02
-"""Flags of an initiate: its size is told; the value has come along."""
-TOGGLE, LAST = 0x10, 0x01
-"""Flags of a segment, and of the answer to one."""
-BLOCK_SIZED, BLOCK_CRC = 0x02, 0x04
-"""Flags of the initiate of a block transfer: its size is told; there will be a CRC."""
-LAST_OF_BLOCKS = 0x80
-"""Flag of a segment of a block: it is the last one of all."""
+ABORT = 0x80  # the command of an abort, whoever aborts
+
+SIZED, EXPEDITED = 0x01, 0x02  # flags of an initiate: its size is told; the value has come along
+TOGGLE, LAST = 0x10, 0x01  # of a segment; the answer to one has its toggle bit
+BLOCK_SIZED, BLOCK_CRC = 0x02, 0x04  # of a block initiate: its size is told; there is a CRC
+LAST_OF_BLOCKS = 0x80  # of a segment of a block: no other will follow
 
 DOWNLOADS, UPLOADS = range(0x20, 0x40), range(0x40, 0x60)
 BLOCK_UPLOADS, BLOCK_DOWNLOADS = range(0xA0, 0xC0, 4), range(0xC0, 0xE0, 2)
@@ -201,7 +194,7 @@ def block_segment(value: bytes, place: int, number: int) -> bytes:
 
 
 def block_number(data: bytes) -> int:
-    """Which segment of its block this is, counted from 1; an abort has none."""
+    """Which segment of its block this is, counted from 1."""
     return data[0] & ~LAST_OF_BLOCKS
 
 
@@ -217,7 +210,7 @@ def block_value(data: bytes, received: bytes) -> bytes:
 
 
 def block_checksum(data: bytes) -> int:
-    """The checksum at the end."""
+    """The checksum that the end tells."""
     return int.from_bytes(data[1:3], "little")
 
 

@@ -140,6 +140,12 @@ def corrupted(bits: int, seed: int) -> Effect:
 
 
 Fits = Callable[[Node, Frame], bool]
+"""Whether a frame, to or from a node, is one of those that are aimed at."""
+
+
+def anything(node: Node, frame: Frame) -> bool:
+    """Every frame."""
+    return True
 
 
 class Side(IntEnum):

@@ -1,4 +1,4 @@
-"""What stands in the line: filters for both directions, and the frames of others."""
+"""Line level: frames are lost, late, doubled, altered, or crowded by those of others."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -7,7 +7,6 @@ from typing import Any
 from canopen_twins.bus.frame import STANDARD_IDS, Frame, length, pattern
 from canopen_twins.bus.wire import Onward, Wire
 from canopen_twins.device.faults import Parameter
-from canopen_twins.device.node import Node
 from canopen_twins.faults.disturbance import (
     AIM,
     Disturbance,
@@ -17,6 +16,7 @@ from canopen_twins.faults.disturbance import (
     Fits,
     Place,
     Side,
+    anything,
     corrupted,
     doubled,
     jittered,
@@ -108,11 +108,6 @@ def looks_like(text: str) -> Fits:
     """
     look = pattern(text)
     return lambda node, frame: look.fullmatch(str(frame)) is not None
-
-
-def anything(node: Node, frame: Frame) -> bool:
-    """Every frame."""
-    return True
 
 
 LOOK = "185#D007xxxx: x is any digit, * any rest"

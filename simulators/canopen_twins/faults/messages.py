@@ -1,4 +1,4 @@
-"""What a node sends by itself goes wrong: PDO, EMCY, heartbeat and boot-up message."""
+"""Protocol and node level: PDO, EMCY, heartbeat and boot-up message, as a node sends them."""
 
 from collections.abc import Mapping
 

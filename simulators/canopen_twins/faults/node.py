@@ -1,4 +1,4 @@
-"""A node that says it is another: entries of its dictionary are served with other values."""
+"""Node level: it says it is another, loses its supply, resets itself, or is there twice."""
 
 from collections.abc import Mapping
 from dataclasses import fields
@@ -13,6 +13,7 @@ from canopen_twins.faults.disturbance import (
     FaultType,
     Place,
 )
+from canopen_twins.slave.dictionary import address_text
 from canopen_twins.slave.object import Address, Entry, Object
 from canopen_twins.slave.slave import Slave
 
@@ -27,7 +28,7 @@ class Counterfeit(Disturbance):
     def __init__(self, place: Place, address: Address, value: int | str) -> None:
         super().__init__(place)
         if place.node.device.dictionary().get_variable(*address) is None:
-            raise UserError(f"the device has no object 0x{address[0]:04X}:{address[1]:02X}")
+            raise UserError(f"the device has no object {address_text(address)}")
         self._address = address
         self._value = value
         self._slave: Slave | None = None
@@ -60,20 +61,6 @@ class Counterfeit(Disturbance):
         false = Entry(self._true.variable, {})
         false.bind(Object(read=lambda: false.pack(self._value)))
         slave.entries[index][subindex] = false
-
-
-class Identity(Counterfeit):
-    """An entry of 0x1018."""
-
-    def __init__(self, place: Place, entry: int, value: int) -> None:
-        super().__init__(place, (0x1018, entry), value)
-
-
-class Firmware(Counterfeit):
-    """The software version 0x100A."""
-
-    def __init__(self, place: Place, version: str) -> None:
-        super().__init__(place, (0x100A, 0), version)
 
 
 class Supply(Disturbance):
@@ -207,12 +194,12 @@ NODE: Mapping[str, FaultType] = {
             "entry": Parameter("1 vendor, 2 product, 3 revision, 4 serial", 2, int, 1, 4),
             "value": Parameter("its value", 0xBAD, int, low=0, high=0xFFFF_FFFF),
         },
-        Identity,
+        lambda place, entry, value: Counterfeit(place, (0x1018, entry), value),
     ),
     "wrong_firmware": FaultType(
         "The software version 0x100A is another one.",
         "A version it does not know: to be reported, or refused.",
         {"version": Parameter("its text", "0.0", str)},
-        Firmware,
+        lambda place, version: Counterfeit(place, (0x100A, 0), version),
     ),
 }

@@ -1,9 +1,6 @@
 """Protocol level, SDO: accesses to objects are refused, not answered, or answered wrongly."""
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from canopen import ObjectDictionary
@@ -13,7 +10,6 @@ from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.sdo import Ccs, Scs
 from canopen_twins.bus.wire import Onward
 from canopen_twins.device.faults import Parameter
-from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError, unknown
 from canopen_twins.faults.disturbance import (
     AIM,
@@ -23,6 +19,7 @@ from canopen_twins.faults.disturbance import (
     Place,
     Side,
     altered,
+    anything,
     late,
     lost,
 )
@@ -39,33 +36,31 @@ ACCESS = {"access": Parameter("read, write or any", ANY, str)}
 SEGMENT = {"segment": Parameter("0: the initiate; n: the n-th request after it", 0, int, low=0)}
 
 
-@dataclass(frozen=True)
-class AccessFilter:
-    """Which requests are meant; what is None may be anything."""
+Meant = Callable[[sdo.Conversation], bool]
+"""Whether the request that came last is one of those that are aimed at."""
 
-    index: int | None
-    subindex: int | None
-    access: str | None
-    segment: int
 
-    @classmethod
-    def at(cls, od: ObjectDictionary, object: int | str, access: str, segment: int) -> AccessFilter:
-        """What the parameters of a fault say.
+def meant(od: ObjectDictionary, object: int | str, access: str, segment: int) -> Meant:
+    """What the parameters of a fault say.
 
-        Raises:
-            UserError: no such object, no such access.
-        """
-        if access not in ACCESSES:
-            raise unknown("access", access, ACCESSES)
-        return cls(*_address(od, object), None if access == ANY else access, segment)
+    Raises:
+        UserError: no such object, no such access.
+    """
+    if access not in ACCESSES:
+        raise unknown("access", access, ACCESSES)
+    index, subindex = _address(od, object)
 
-    def fits(self, conversation: sdo.Conversation) -> bool:
-        """Whether the request that came last is meant."""
-        if conversation.address is None or conversation.segment != self.segment:
+    def fits(conversation: sdo.Conversation) -> bool:
+        if conversation.address is None or conversation.segment != segment:
             return False
-        found = (*conversation.address, conversation.access)
-        wanted = (self.index, self.subindex, self.access)
-        return all(one in (None, other) for one, other in zip(wanted, found, strict=True))
+        its_index, its_subindex = conversation.address
+        return (
+            index in (None, its_index)
+            and subindex in (None, its_subindex)
+            and access in (ANY, conversation.access)
+        )
+
+    return fits
 
 
 def _address(od: ObjectDictionary, object: int | str) -> tuple[int | None, int | None]:
@@ -101,8 +96,8 @@ class SdoFilter(Filtering):
         segment: int = 0,
         **aim: Any,
     ) -> None:
-        super().__init__(place, _is_answer, effect, **aim)
-        self._meant = AccessFilter.at(place.node.device.dictionary(), object, access, segment)
+        super().__init__(place, anything, effect, **aim)
+        self._meant = meant(place.node.device.dictionary(), object, access, segment)
         self._conversation = sdo.Conversation()
         self._struck = False
 
@@ -112,20 +107,23 @@ class SdoFilter(Filtering):
             onward(frame)
         elif sdo.is_answer(frame, self.node.node_id):
             self._conversation.answer(frame.data)
-            act = self.strike if self._struck else _pass
-            act(frame, onward)
+            if self._struck:
+                self.strike(frame, onward)
+            else:
+                onward(frame)
         elif sdo.is_request(frame, self.node.node_id) and self.node.state in self.states:
             self._conversation.ask(frame.data)
             self._struck = self._hits()
-            act = self.on_request if self._struck else _pass
             if self._struck:
                 self.note(frame)
-            act(frame, onward)
+                self.on_request(frame, onward)
+            else:
+                onward(frame)
         else:
             onward(frame)
 
     def _hits(self) -> bool:
-        return self._meant.fits(self._conversation) and self._aim.strikes()
+        return self._meant(self._conversation) and self._aim.strikes()
 
     def on_request(self, frame: Frame, onward: Onward) -> None:
         """A request is struck: the server has it all the same."""
@@ -186,14 +184,6 @@ class Unlocked(Stall):
     def strike(self, frame: Frame, onward: Onward) -> None:
         """The answer goes out as it is."""
         onward(frame)
-
-
-def _pass(frame: Frame, onward: Onward) -> None:
-    onward(frame)
-
-
-def _is_answer(node: Node, frame: Frame) -> bool:
-    return sdo.is_answer(frame, node.node_id)
 
 
 def other_index(data: bytes) -> bytes:
