@@ -179,12 +179,13 @@ class Node:
 
     def receive(self, frame: Frame) -> None:
         """Take a frame from the bus; what the node sends is in the outbox afterwards."""
-        stack, filters = self._stack, self.wire.incoming
-        if stack is None or frame.extended or stack.slave.shut:
+        stack = self._stack
+        if stack is None or frame.extended:
             return
-        if filters:
-            through(filters, frame, self._take)
-        elif handlers := stack.routes.get((frame.can_id, frame.remote)):
+        if filters := self.wire.incoming:
+            if not stack.slave.shut:
+                through(filters, frame, self._take)
+        elif (handlers := stack.routes.get((frame.can_id, frame.remote))) and not stack.slave.shut:
             self._act_on(frame, handlers)
 
     def _take(self, frame: Frame) -> None:

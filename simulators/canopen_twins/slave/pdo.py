@@ -348,7 +348,7 @@ class Tpdo(Pdo):
         super().__init__(slave, number)
         self._timing = EventTiming(slave, self.record, self.transmit)
         self._operational = False
-        self._entries: list[Entry] = []
+        self._reads: list[Callable[[], bytes]] = []  # of the entries it carries
         self._cob_id = 0
         self._type = 0
         self._syncs = 0
@@ -373,7 +373,7 @@ class Tpdo(Pdo):
     def eventful(self) -> bool:
         """Whether a change of its content sends it."""
         on_change = self.slave.profile.tpdo_on_change and self._type in EVENT_DRIVEN
-        return on_change and bool(self._entries)
+        return on_change and bool(self._reads)
 
     def listen(self) -> Listening:
         """SYNC and remote requests, as far as its type and COB-ID know them."""
@@ -381,11 +381,11 @@ class Tpdo(Pdo):
         if cob_id is None:
             self._begin_anew()
         parts = self.parts() if cob_id is not None else []
-        self._entries = [part.entry for part in parts if part.entry is not None]
+        self._reads = [part.entry.read for part in parts if part.entry is not None]
         self._type = self.transmission_type
         self._cob_id = cob_id or 0
         self._follow_timing()
-        if not self._entries:
+        if not self._reads:
             return
         if self._type in AT_SYNC:
             yield (self.sync_id, False), self.on_sync
@@ -396,7 +396,7 @@ class Tpdo(Pdo):
         """PDO communication begins: SYNCs count from here, event-driven ones are sent once."""
         self._operational = state is State.OPERATIONAL
         self._begin_anew()
-        if self._operational and self._entries and self._type in EVENT_DRIVEN:
+        if self._operational and self._reads and self._type in EVENT_DRIVEN:
             self.transmit()
 
     def on_sync(self, frame: Frame) -> None:
@@ -434,10 +434,10 @@ class Tpdo(Pdo):
         self._composed = self._sent = None
 
     def _compose(self) -> bytes:
-        return b"".join([entry.read() for entry in self._entries])
+        return b"".join([read() for read in self._reads])
 
     def _follow_timing(self) -> None:
-        if self._operational and self._entries and self._type in EVENT_DRIVEN:
+        if self._operational and self._reads and self._type in EVENT_DRIVEN:
             self._timing.run()
         else:
             self._timing.stop()

@@ -69,7 +69,7 @@ class Target:
 class Segmented(Transfer):
     """Segments with a toggle bit, each answered by one (7.2.4.3.3-8)."""
 
-    specifier: Ccs
+    specifier: int
     """Of its requests."""
 
     def __init__(self) -> None:
@@ -160,10 +160,10 @@ class BlockUpload(Transfer):
         """The next block, or the one that was not received as a whole, or the end."""
         if data[0] & 3 != self._expected:
             raise Rejected("not the turn of this sub-command", Abort.COMMAND)
-        if self._expected is Sub.END:
+        if self._expected == Sub.END:
             self.done = True
             return []
-        if self._expected is Sub.CONFIRM:
+        if self._expected == Sub.CONFIRM:
             self._confirm(data[1])
             self._set_blksize(data[2])
         return self._block() if self._confirmed < self._segments else self._end()
@@ -249,14 +249,14 @@ Initiate = Callable[[Slave, Entry, bytes], bytes | Transfer]
 
 def upload(slave: Slave, entry: Entry, data: bytes) -> bytes | Transfer:
     """Read, in one frame if the value fits."""
-    return _upload(slave, data, _read(entry))
+    return _uploaded(slave, data, _read(entry))
 
 
 def block_upload(slave: Slave, entry: Entry, data: bytes) -> bytes | Transfer:
     """Read in blocks, unless the value is so short that the client wants it the other way."""
     value, blksize, switch_up_to = _read(entry), data[4], data[5]
     if switch_up_to and len(value) <= switch_up_to:
-        return _upload(slave, data, value)
+        return _uploaded(slave, data, value)
     return BlockUpload(value, blksize, crc=bool(data[0] & sdo.BLOCK_CRC))
 
 
@@ -264,10 +264,10 @@ def download(slave: Slave, entry: Entry, data: bytes) -> bytes | Transfer:
     """Write, at once if the value has come along."""
     size = sdo.size(data)
     _check_download(slave, entry, size)
-    if not sdo.is_expedited(data):
+    if not data[0] & sdo.EXPEDITED:
         return Download(Target(slave, entry, size))
-    value = sdo.value(data)  # without a size as much of it as the object has room for
-    slave.write(entry, value if size is not None else value[: entry.size])
+    room = entry.size if size is None else size  # without a size as many as the object has
+    slave.write(entry, data[4:8] if room is None else data[4 : 4 + room])
     return sdo.message(Scs.DOWNLOAD, data[1:4])
 
 
@@ -284,7 +284,7 @@ def _read(entry: Entry) -> bytes:
     return entry.read()
 
 
-def _upload(slave: Slave, data: bytes, value: bytes) -> bytes | Transfer:
+def _uploaded(slave: Slave, data: bytes, value: bytes) -> bytes | Transfer:
     if 0 < len(value) <= sdo.EXPEDITED_ROOM:
         return sdo.expedited(Scs.UPLOAD, data[1:4], value)
     if not slave.profile.segmented:
@@ -366,7 +366,7 @@ class SdoServer(Service):
 
     def _continue(self, transfer: Transfer, data: bytes) -> None:
         for answer in transfer.answer(data):
-            self._send(answer)
+            self.slave.send(Frame(self._answers, answer))
         if transfer.done:
             self._close()
         else:
@@ -376,13 +376,13 @@ class SdoServer(Service):
         if self._transfer is not None:
             self._close()
         self._named = data[1:4]
-        entry = self.slave.entry(*sdo.address(data))
+        entry = self.slave.entry(data[1] | data[2] << 8, data[3])
         outcome = initiate(self.slave, entry, data)
-        if isinstance(outcome, Transfer):
+        if not isinstance(outcome, bytes):
             self._transfer = outcome
             self._watch()
             outcome = outcome.opening(self._named)
-        self._send(outcome)
+        self.slave.send(Frame(self._answers, outcome))
 
     def _meant(self, data: bytes) -> bytes:
         """The multiplexer of the object that an unknown command belongs to."""
@@ -407,9 +407,6 @@ class SdoServer(Service):
         answer = Frame(self._answers, sdo.abort(self._named, refusal.code))
         self.slave.wire.events.add_refusal(answer, refusal)
         self.slave.send(answer)
-
-    def _send(self, data: bytes) -> None:
-        self.slave.send(Frame(self._answers, data))
 
 
 def _not_known(command: int) -> str:
