@@ -87,12 +87,12 @@ def _struck(view: View, request: Request, struck: list[Strike]) -> str:
     """The fault that struck it or its answer, which is out of the list then."""
     answer = f"{identifiers.sdo_answer(view.node_id):03X}#"
     told = str(request.frame)
-    for note in (each for each in struck if each.between(request.record.time, request.until)):
-        its_answer = note.about.startswith(answer) and note.about[MULTIPLEXER] == told[MULTIPLEXER]
-        if note.about == told or its_answer:
-            struck.remove(note)
+    for strike in [each for each in struck if each.between(request.record.time, request.until)]:
+        same_object = strike.about[MULTIPLEXER] == told[MULTIPLEXER]
+        if strike.about == told or (strike.about.startswith(answer) and same_object):
+            struck.remove(strike)
             verb = "refused" if request.refusal else "answered"
-            return f"{verb if request.answers else 'not answered'}: the fault {note.fault}"
+            return f"{verb if request.answers else 'not answered'}: the fault {strike.fault}"
     return ""
 
 
@@ -100,10 +100,10 @@ def _refused(view: View, request: Request) -> str:
     if (answer := request.refusal) is None:
         return ""
     code, address = sdo.abort_code(answer.frame.data), sdo.address(answer.frame.data)
-    note = view.refusal(answer.frame, request.record.time, answer.time)
+    logged = view.refusal(answer.frame, request.record.time, answer.time)
     usual = SdoAbortedError.CODES.get(code, f"abort code {code:08X}h")
     about = f", {view.named(address)}" if any(address) else view.service("sdo")
-    return f"refused: {note.words if note else usual}{about}"
+    return f"refused: {logged.words if logged else usual}{about}"
 
 
 def _unanswered(view: View, request: Request) -> str:
@@ -168,9 +168,9 @@ def _off(view: View, slave: Slave, kind: type[Pdo], number: int, record: Record)
     if _cob_id(slave, kind, number) & identifiers.INVALID:
         where = view.named((kind.communication + number - 1, COB_ID))
         return f"{verb}: it is off, bit 31 of {where} is set"
-    for note in view.strikes():
-        if note.between(record.time, record.time) and note.about == str(record.frame):
-            return f"{verb}: the fault {note.fault}"
+    for strike in view.strikes():
+        if strike.between(record.time, record.time) and strike.about == str(record.frame):
+            return f"{verb}: the fault {strike.fault}"
     return ""
 
 
@@ -189,9 +189,9 @@ def _not_taken(view: View, slave: Slave, number: int, record: Record, until: flo
     length = sum(each.size for each in parts)
     if len(data) < length:
         return f"not taken: {len(data)} of {length} bytes{view.service('pdo')}"
-    note = view.refusal(record.frame, record.time, until)
-    if note is not None and note.address is not None:
-        return f"refused: {note.words}, {view.named(note.address)}"
+    logged = view.refusal(record.frame, record.time, until)
+    if logged is not None and logged.address is not None:
+        return f"refused: {logged.words}, {view.named(logged.address)}"
     for entry, _, part in parts:
         acts = None if entry is None else entry.obstacle
         if entry is not None and acts is not None and (obstacle := acts(entry.unpack(data[part]))):

@@ -124,12 +124,16 @@ def read_sent(text: str) -> Frame:
         raise Refused("no frame of classic CAN")
     data = bytes(int(byte, 16) for byte in match["data"].split())
     frame, length = _frame(match["id"], data), int(match["length"])
-    known = None if frame.extended else classify(frame.can_id)
-    if not data and (length or (known is not None and known.cob in ASKED_FOR)):
+    if not data and (length or _makes_sense_as_remote(frame)):
         return frame._replace(remote=True, data=b"")
     if length != len(data):
         raise Refused(f"{len(data)} bytes of {length}")
     return frame
+
+
+def _makes_sense_as_remote(frame: Frame) -> bool:
+    known = None if frame.extended else classify(frame.can_id)
+    return known is not None and known.cob in ASKED_FOR
 
 
 def read_delivered(text: str) -> Frame | None:
