@@ -12,6 +12,7 @@ from canopen_twins.bus.segment import Record, Segment
 from canopen_twins.bus.wire import PeriodicFrame
 from canopen_twins.device.device import Device
 from canopen_twins.device.node import Node
+from canopen_twins.errors import UserError
 from canopen_twins.faults import connect
 
 
@@ -88,6 +89,10 @@ class Bench(BenchTwin):
     def __init__(self, device: str | Mapping[str, Device], **settings: object) -> None:
         if isinstance(device, str):
             device = {device: devices.create(device, **settings)}
+        elif settings:
+            raise UserError(
+                f"which device of several has {', '.join(settings)}? Give it to that one"
+            )
         segment: Segment[Node] = Segment()
         nodes = [connect(segment, each, name) for name, each in device.items()]
         super().__init__(nodes, segment, Master(segment))
