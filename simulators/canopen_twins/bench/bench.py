@@ -6,7 +6,7 @@ from typing import Any, Self
 import canopen
 
 from canopen_twins import devices
-from canopen_twins.bench.twin import ORDERS, Twin
+from canopen_twins.bench.twin import ORDERS, QUESTIONS, Twin
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Record, Segment
 from canopen_twins.bus.wire import PeriodicFrame
@@ -43,11 +43,14 @@ class BenchTwin(Twin):
         """As it is called on the bench."""
         return self.node.wire.name
 
-    def order(self, word: str, *arguments: Any) -> Any:
+    def order(self, word: str, *arguments: Any) -> None:
         """At once: a bench stands still between two calls."""
-        outcome = ORDERS[word](self.node, *arguments)
+        ORDERS[word](self.node, *arguments)
         self.segment.deliver()
-        return outcome
+
+    def ask(self, word: str, *arguments: Any) -> Any:
+        """At once, too."""
+        return QUESTIONS[word](self.node, *arguments)
 
     @property
     def device(self) -> Any:
