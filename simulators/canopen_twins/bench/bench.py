@@ -13,7 +13,6 @@ from canopen_twins.bus.wire import PeriodicFrame
 from canopen_twins.device.device import Device
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
-from canopen_twins.faults import connect
 
 
 class BenchTwin(Twin):
@@ -96,6 +95,8 @@ class Bench(BenchTwin):
             raise UserError(
                 f"which device of several has {', '.join(settings)}? Give it to that one"
             )
+        from canopen_twins.faults import connect  # noqa: PLC0415 - who has no bench needs no faults
+
         segment: Segment[Node] = Segment()
         nodes = [connect(segment, each, name) for name, each in device.items()]
         super().__init__(nodes, segment, Master(segment))
