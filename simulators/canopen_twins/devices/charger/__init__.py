@@ -44,20 +44,15 @@ class Device(device.Device):
 
     eds = "charger_pcsc.eds"
     title = "Eltex POWER CHARGER high-voltage generator (CANopen protocol description)"
-    settings_type = Settings
-    settings: Settings
+    settings = Settings()
     stored = (card.HEARTBEAT, CYCLE, LED_BAR)
     cycle = TICK
 
     def configure(self, **given: object) -> None:
-        """Change settings while the supply is off."""
-        super().configure(**given)
-        self.build = unit.build(self.settings)
-        self.eds = file_name(self.build)
-        self.catalogue = messages.catalogue(self.settings.messages)
-        self.profile = card.profile(self.settings)
+        """Change settings while the supply is off; what surrounds it is as delivered."""
         self.plant = Plant()
-        self.power_on()
+        super().configure(**given)
+        self.profile = card.profile(self.settings)
 
     def check(self) -> None:
         """What no range of a single setting can say."""
@@ -136,8 +131,11 @@ class Device(device.Device):
         """LSS changes node id and bit timing."""
         yield LssSlave(slave, self.network)
 
-    def power_on(self) -> None:
+    def make_model(self) -> None:
         """Cold, with what the memory has kept."""
+        self.build = unit.build(self.settings)
+        self.eds = file_name(self.build)
+        self.catalogue = messages.catalogue(self.settings.messages)
         entries = dictionary(self.eds, self.settings.node_id)[0x2002]
         self.storage = Storage(self.memory, cast(ODRecord, entries).subindices)
         self._factory = factory(self.build.kind)

@@ -34,8 +34,7 @@ class Device(device.Device):
 
     eds = "topcon.eds"
     title = "Regatron TopCon Quadro DC supply (TC.CANOPEN manual DO6130.0031 V02.62)"
-    settings_type = Settings
-    settings: Settings
+    settings = Settings()
     stored = STORED
     cycle = OutputStage.tick
 
@@ -44,7 +43,6 @@ class Device(device.Device):
         self._module_id: int | None = None
         super().configure(**given)
         self.profile = card.profile(self.settings)
-        self.power_on()
 
     def check(self) -> None:
         """What the settings are together, the unit type and the load among them."""
@@ -129,7 +127,7 @@ class Device(device.Device):
             cast(ODVariable, od[index]).max = self.settings.set_value_range
         return od
 
-    def power_on(self) -> None:
+    def make_model(self) -> None:
         """The unit and its card start; switches are read now and not again."""
         settings = self.settings
         self._module_id = card.module_id(settings)
