@@ -2,7 +2,7 @@ from math import inf, log
 
 import pytest
 
-from canopen_twins.devices.topcon.model.plant import HeatSink, I2tStore
+from canopen_twins.devices.topcon.model.thermal import HeatSink, I2tStore
 
 FULL = (4000, 4000, 4000, 0)
 

@@ -29,7 +29,6 @@ TEXTS = {
 @pytest.mark.parametrize(("text", "load"), TEXTS.items())
 def test_a_load_is_its_text(text, load):
     assert parse_load(text) == load
-    assert str(load) == text
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import pytest
 
 from canopen_twins.devices.topcon.model import parse_load
 from canopen_twins.devices.topcon.model.loads import LOADS
-from canopen_twins.devices.topcon.model.modes import TRANSITIONS
+from canopen_twins.devices.topcon.model.states import TRANSITIONS
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "devices" / "topcon.md").read_text("utf-8")

@@ -10,12 +10,11 @@ from canopen_twins.device import device
 from canopen_twins.device.chart import Chart
 from canopen_twins.device.device import Message
 from canopen_twins.device.faults import Fault
-from canopen_twins.devices.topcon import card
-from canopen_twins.devices.topcon import units as unit_types
+from canopen_twins.devices.topcon import card, messages, units
+from canopen_twins.devices.topcon.card import CardErrors, Registers
 from canopen_twins.devices.topcon.chart import chart
-from canopen_twins.devices.topcon.control import Control, Registers, Scale
+from canopen_twins.devices.topcon.control import Control, Scale
 from canopen_twins.devices.topcon.faults import faults
-from canopen_twins.devices.topcon.messages import KINDS, PROTOCOL_ERROR, UNIT, CardErrors
 from canopen_twins.devices.topcon.model import Mode, OutputStage
 from canopen_twins.devices.topcon.panel import Panel
 from canopen_twins.devices.topcon.settings import Settings
@@ -44,13 +43,13 @@ class Device(device.Device):
         self._module_id: int | None = None
         super().configure(**given)
         self.profile = card.profile(self.settings)
-        self.power_on()
 
     def check(self) -> None:
         """What the settings are together, the unit type and the load among them."""
         card.check(self.settings)
         super().check()
-        unit_types.output_stage(self.settings)
+        units.unit_type(self.settings)
+        units.load(self.settings)
 
     @property
     def node_id(self) -> int:
@@ -84,12 +83,13 @@ class Device(device.Device):
     def emergencies(self) -> Sequence[Emcy]:
         """Errors of the unit and of the card, latched until command 2."""
         errors, card_errors = self.stage.errors, self.card_errors.active
-        return (*(UNIT[error] for error in errors), *card_errors) if errors else card_errors
+        told = messages.unit_errors()
+        return (*(told[error] for error in errors), *card_errors) if errors else card_errors
 
     @property
     def messages(self) -> Mapping[str, Message]:
         """The codes of chapter 8."""
-        return KINDS
+        return messages.messages()
 
     @property
     def faults(self) -> Mapping[str, Fault]:
@@ -134,7 +134,7 @@ class Device(device.Device):
         settings = self.settings
         self._module_id = card.module_id(settings)
         self._bit_rate = card.bit_rate(settings.br)
-        self.stage = unit_types.output_stage(settings)
+        self.stage = units.output_stage(settings)
         self.scale = Scale(self.stage.unit)
         self._register_values: dict[int, int] = {}
         self._start_card()
@@ -167,7 +167,7 @@ class Device(device.Device):
     def on_rpdo_refused(self, number: int, refusal: Rejected) -> None:
         """A parameter that exceeds its limit is told by EMCY (Tab. 82, A-37, A-41)."""
         if refusal.code in PARAMETER_REFUSALS:
-            self.card_errors.add(PROTOCOL_ERROR.code)
+            self.card_errors.add(messages.PROTOCOL_ERROR)
 
     def set(self, **given: object) -> None:
         """Change what may change while the unit runs; the panel turns when it is named here."""
@@ -177,7 +177,8 @@ class Device(device.Device):
 
     def apply(self) -> None:
         """Load and ambient temperature follow at once, switches at power-on."""
-        unit_types.surround(self.stage, self.settings)
+        self.stage.load = units.load(self.settings)
+        self.stage.ambient = self.settings.ambient
 
     def step(self, dt: float) -> None:
         """Let time pass in the unit."""

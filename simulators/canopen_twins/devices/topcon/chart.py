@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from canopen_twins.device.chart import Band, Chart, Curve, Mood
-from canopen_twins.devices.topcon.model.modes import State
+from canopen_twins.devices.topcon.model.states import StageState
 
 if TYPE_CHECKING:
     from canopen_twins.devices.topcon import Device
@@ -14,12 +14,12 @@ if TYPE_CHECKING:
 
 KILO = 1e3
 
-BANDS: Mapping[State, Band] = {
-    State.POWERUP: Band("power-up", Mood.OFF),
-    State.READY: Band("ready", Mood.WAITING),
-    State.RUN: Band("run", Mood.ACTIVE),
-    State.WARN: Band("run with warning", Mood.WARNING),
-    State.ERROR: Band("error", Mood.ERROR),
+BANDS: Mapping[StageState, Band] = {
+    StageState.POWERUP: Band("power-up", Mood.OFF),
+    StageState.READY: Band("ready", Mood.WAITING),
+    StageState.RUN: Band("run", Mood.ACTIVE),
+    StageState.WARN: Band("run with warning", Mood.WARNING),
+    StageState.ERROR: Band("error", Mood.ERROR),
 }
 
 

@@ -11,8 +11,8 @@ from canopen_twins.devices.topcon.model.loads import (
     Short,
     parse_load,
 )
-from canopen_twins.devices.topcon.model.modes import Mode, State
 from canopen_twins.devices.topcon.model.stage import OutputStage
+from canopen_twins.devices.topcon.model.states import Mode, StageState
 from canopen_twins.devices.topcon.model.unit import Connection, UnitType
 
 __all__ = [
@@ -27,7 +27,7 @@ __all__ = [
     "PowerSink",
     "Resistor",
     "Short",
-    "State",
+    "StageState",
     "UnitType",
     "parse_load",
 ]
