@@ -43,6 +43,8 @@ class Device(device.Device):
         self._module_id: int | None = None
         super().configure(**given)
         self.profile = card.profile(self.settings)
+        self._make_unit()
+        self._fresh = True  # and serves at the next power-on
 
     def check(self) -> None:
         """What the settings are together, the unit type and the load among them."""
@@ -131,6 +133,11 @@ class Device(device.Device):
 
     def power_on(self) -> None:
         """The unit and its card start; switches are read now and not again."""
+        if not self._fresh:
+            self._make_unit()
+        self._fresh = False
+
+    def _make_unit(self) -> None:
         settings = self.settings
         self._module_id = card.module_id(settings)
         self._bit_rate = card.bit_rate(settings.br)
