@@ -16,7 +16,7 @@ THRESHOLDS = [
 
 def clear(charger, key):
     message = next(message for message in charger.messages.active if message.key == key)
-    charger.clear(message.kind, message.number)
+    charger.clear(message.severity, message.number)
 
 
 @pytest.mark.parametrize(

@@ -5,20 +5,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from canopen_twins.devices.charger.model.charger import Charger
-from canopen_twins.devices.charger.model.hours import duration
 from canopen_twins.devices.charger.model.load import SHORT
 from canopen_twins.devices.charger.model.parameters import Parameter
-from canopen_twins.devices.charger.model.release import Source
-from canopen_twins.devices.charger.model.storm import Storm
+from canopen_twins.devices.charger.model.release import ReleaseSource
+from canopen_twins.devices.charger.model.sparks import Storm
 from canopen_twins.devices.charger.model.thermal import Heat
+from canopen_twins.devices.charger.model.ticks import duration
 from canopen_twins.devices.charger.model.types import PCSC, Build, Variant
 from canopen_twins.devices.charger.object_table import factory
 
 TICK = 0.01
 ACTS = {
     "nothing": lambda charger: None,
-    "release": lambda charger: charger.grant(Source.CANOPEN),
-    "lock": lambda charger: charger.revoke(Source.CANOPEN),
+    "release": lambda charger: charger.grant(ReleaseSource.CANOPEN),
+    "lock": lambda charger: charger.revoke(ReleaseSource.CANOPEN),
     "timeout": lambda charger: charger.write(Parameter.RELEASE_TIMEOUT, 4130),
     "20 kV": lambda charger: charger.write(Parameter.VOLTAGE_SETPOINT, 20000),
     "30 kV": lambda charger: charger.write(Parameter.VOLTAGE_SETPOINT, 30000),
@@ -159,7 +159,7 @@ def by_ticks(charger, until):
 @pytest.mark.spec("C-139")
 def test_a_release_timeout_ends_the_rest_to_the_tick(make):
     charger = make(release_timeout=60000)
-    charger.grant(Source.CANOPEN)
+    charger.grant(ReleaseSource.CANOPEN)
     assert by_its_rest(charger, lambda charger: not charger.release.software) == 6000
 
 

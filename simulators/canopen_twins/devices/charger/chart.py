@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from canopen_twins.device.chart import Band, Chart, Curve, Mood
 from canopen_twins.devices.charger.model.parameters import Parameter
-from canopen_twins.devices.charger.model.release import State
+from canopen_twins.devices.charger.model.release import ReleaseState
 from canopen_twins.devices.charger.model.types import Quantity
 
 if TYPE_CHECKING:
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
 KILO, MICRO = 1e3, 1e6
 
-BANDS: Mapping[State, Band] = {
-    State.LOCKED: Band("locked", Mood.OFF),
-    State.ARMED: Band("armed", Mood.WAITING),
-    State.ON: Band("high voltage on", Mood.ACTIVE),
-    State.FAULT: Band("fault", Mood.ERROR),
+BANDS: Mapping[ReleaseState, Band] = {
+    ReleaseState.LOCKED: Band("locked", Mood.OFF),
+    ReleaseState.ARMED: Band("armed", Mood.WAITING),
+    ReleaseState.ON: Band("high voltage on", Mood.ACTIVE),
+    ReleaseState.FAULT: Band("fault", Mood.ERROR),
 }
 
 

@@ -76,6 +76,7 @@ class OutOfRange(ValueError):  # noqa: N818 - a refusal is an answer of the devi
         self.direction = direction
 
 
+OFF, MONITORING, CALIBRATING = range(3)  # values of 2002h:19h and 28h
 SHORTEST_TIMEOUT = 500  # ms; 2002h:04h: anything shorter is none
 
 

@@ -1,15 +1,24 @@
-"""What the charger shows: hours (2000h), actual values (2001h), inputs (6000h, 6401h)."""
+"""The application's objects: what the master sets and commands, and what the charger shows."""
 
 from collections.abc import Callable, Mapping
+from functools import partial
 
 from canopen_twins.devices.charger.model.charger import Charger
-from canopen_twins.devices.charger.model.hours import duration
-from canopen_twins.devices.charger.model.messages import Kind
-from canopen_twins.devices.charger.model.parameters import Parameter
+from canopen_twins.devices.charger.model.messages import Severity
+from canopen_twins.devices.charger.model.parameters import (
+    SHORTEST_TIMEOUT,
+    Direction,
+    OutOfRange,
+    Parameter,
+)
+from canopen_twins.devices.charger.model.release import ReleaseSource, ReleaseState
 from canopen_twins.devices.charger.model.sparks import Counter
+from canopen_twins.devices.charger.model.ticks import duration
 from canopen_twins.devices.charger.model.types import Quantity
-from canopen_twins.slave.object import Address, Object
+from canopen_twins.slave.object import Abort, Address, Object, Rejected
 
+REFUSALS = {Direction.LOW: Abort.TOO_LOW, Direction.HIGH: Abort.TOO_HIGH}
+LOCKED, RELEASED = 0x00, 0x0F  # 6200h:01h
 UNSIGNED8, UNSIGNED16, SIGNED16 = (0, 0xFF), (0, 0xFFFF), (-0x8000, 0x7FFF)
 PERCENT = (0, 100)
 HOURS = {0x01: "operating", 0x05: "charging", 0x09: "discharging"}  # 2000h
@@ -22,13 +31,80 @@ TENTHS = 10
 Read = Callable[[], int]
 
 
+def _no_timeout(milliseconds: int) -> str:
+    short = 0 < milliseconds < SHORTEST_TIMEOUT
+    return f"below {SHORTEST_TIMEOUT} ms it is kept as 0, which is no time-out" if short else ""
+
+
+OBSTACLES = {Parameter.RELEASE_TIMEOUT: _no_timeout}
+
+
+class Control:
+    """Parameters (2002h), clearing (2003h) and release (6200h): the bus in front of a charger."""
+
+    def __init__(self, charger: Charger) -> None:
+        self._charger = charger
+
+    @property
+    def objects(self) -> Mapping[Address, Object]:
+        """All that the model acts on, whatever the variant has."""
+        values = self._charger.parameters
+        return {
+            **{
+                (0x2002, parameter.value): Object(
+                    read=partial(values.__getitem__, parameter),
+                    write=partial(self._write, parameter),
+                    obstacle=OBSTACLES.get(parameter),
+                )
+                for parameter in Parameter
+            },
+            (0x2003, 0x01): self._clearing(Severity.ERROR),
+            (0x2003, 0x02): self._clearing(Severity.WARNING),
+            (0x6200, 0x01): Object(write=self._release, obstacle=self._release_obstacle),
+        }
+
+    def _clearing(self, severity: Severity) -> Object:
+        def obstacle(number: int) -> str:
+            active = self._charger.messages.find(severity, number)
+            return "its cause is still there (A-35)" if active else ""
+
+        return Object(write=partial(self._charger.clear, severity), obstacle=obstacle)
+
+    def on_rpdo_refused(self, refusal: Rejected) -> None:
+        """A byte in the RPDO that is neither locks; one that is missing is no byte (A-25, A-45)."""
+        if refusal.code == Abort.INVALID_VALUE:
+            self._charger.revoke(ReleaseSource.CANOPEN)
+
+    def _write(self, parameter: Parameter, value: int) -> None:
+        try:
+            self._charger.write(parameter, value)
+        except OutOfRange as refusal:
+            raise Rejected(str(refusal), REFUSALS[refusal.direction]) from refusal
+
+    def _release_obstacle(self, value: int) -> str:
+        release = self._charger.release
+        if ReleaseSource.CANOPEN not in self._charger.enabled:
+            return "0x2002:02 bit 3 does not let CANopen release (A-46)"
+        if value == RELEASED and release.state is ReleaseState.FAULT:
+            return "an error blocks the release until it is cleared (A-48)"
+        if value == RELEASED and not release.closed:
+            return "the hardware release is open (A-47)"
+        return ""
+
+    def _release(self, value: int) -> None:
+        commands = {LOCKED: self._charger.revoke, RELEASED: self._charger.grant}
+        if value not in commands:
+            raise Rejected(f"{value:#04x} is neither locked (0x00) nor released (0x0f)")
+        commands[value](ReleaseSource.CANOPEN)
+
+
 def saturated(value: float, ends: tuple[int, int]) -> int:
     """A whole number that never wraps (A-65)."""
     return max(ends[0], min(ends[1], round(value)))
 
 
 class ActualValues:
-    """Reads a charger, in the units and the lengths of the dictionary."""
+    """Hours (2000h), actual values (2001h), inputs (6000h, 6401h), in units of the dictionary."""
 
     def __init__(self, charger: Charger) -> None:
         self._charger = charger
@@ -141,8 +217,8 @@ class ActualValues:
         charging, discharging = charger.charging_active, charger.discharging_active
         bits = (
             charging or discharging,
-            charger.messages.has(Kind.ERROR),
-            charger.messages.has(Kind.WARNING),
+            charger.messages.has(Severity.ERROR),
+            charger.messages.has(Severity.WARNING),
             charging,
             discharging,
             charger.release.software,
