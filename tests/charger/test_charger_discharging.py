@@ -5,7 +5,6 @@ from canopen_twins.devices.charger.model.load import Web
 from canopen_twins.devices.charger.model.messages import Severity
 from canopen_twins.devices.charger.model.parameters import Parameter
 from canopen_twins.devices.charger.model.release import ReleaseSource
-from canopen_twins.devices.charger.model.thermal import Heat
 from canopen_twins.devices.charger.model.types import PCSC, Variant
 
 
@@ -56,7 +55,7 @@ def test_above_the_current_setpoint_the_voltage_gives_way(discharging, active):
 
 def test_heat_limits_the_power_of_the_discharging(discharging):
     warm = discharging.heating.at(discharging.now)["discharging"]
-    discharging.surround(heat=Heat(discharging=79.7 - warm))
+    discharging.surround(heat={"discharging": 79.7 - warm})
     discharging.step(2.0)
     assert now(discharging).limited
     assert now(discharging).power == pytest.approx(discharging.derating.discharging, rel=0.01)

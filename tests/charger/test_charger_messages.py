@@ -4,7 +4,6 @@ from canopen_twins.devices.charger.model.charger import Charger
 from canopen_twins.devices.charger.model.messages import CAUSES, Catalogue, Message, Severity
 from canopen_twins.devices.charger.model.parameters import Parameter
 from canopen_twins.devices.charger.model.release import ReleaseSource
-from canopen_twins.devices.charger.model.thermal import Heat
 from canopen_twins.devices.charger.model.types import PCSC, Build
 
 
@@ -15,10 +14,10 @@ def clear(charger, key):
 
 @pytest.mark.spec("C-045")
 def test_heat_may_be_cleared_3_k_below_its_threshold(charger, active):
-    charger.surround(heat=Heat(cascade=50.0))
+    charger.surround(heat={"cascade": 50.0})
     charger.step(0.01)
     for heat, left in ((42.5, [("WARNING", "temp_cascade")]), (41.5, [])):
-        charger.surround(heat=Heat(cascade=heat))
+        charger.surround(heat={"cascade": heat})
         charger.step(0.01)
         clear(charger, "temp_cascade")
         assert active(charger) == left

@@ -9,7 +9,6 @@ from canopen_twins.devices.charger.model.load import SHORT
 from canopen_twins.devices.charger.model.parameters import Parameter
 from canopen_twins.devices.charger.model.release import ReleaseSource
 from canopen_twins.devices.charger.model.sparks import Storm
-from canopen_twins.devices.charger.model.thermal import Heat
 from canopen_twins.devices.charger.model.ticks import duration
 from canopen_twins.devices.charger.model.types import PCSC, Build, Variant
 from canopen_twins.devices.charger.object_table import factory
@@ -33,9 +32,9 @@ ACTS = {
     "short": lambda charger: charger.surround(electrode=SHORT),
     "dirt": lambda charger: charger.surround(active=0.3),
     "deep sag": lambda charger: charger.surround(supply_voltage=19.3),
-    "overheated": lambda charger: charger.surround(heat=Heat(inside=60.0)),
+    "overheated": lambda charger: charger.surround(heat={"inside": 60.0}),
     "sag": lambda charger: charger.surround(supply_voltage=20.3),
-    "hot": lambda charger: charger.surround(heat=Heat(power_stage=47.0)),
+    "hot": lambda charger: charger.surround(heat={"power_stage": 47.0}),
     "open": lambda charger: charger.surround(hardware_release=False),
     "closed": lambda charger: charger.surround(hardware_release=True),
 }

@@ -1,6 +1,6 @@
 import pytest
 
-from canopen_twins.devices.topcon.model import (
+from canopen_twins.devices.topcon.model.loads import (
     Battery,
     CurrentSink,
     Inductor,

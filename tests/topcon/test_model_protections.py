@@ -1,6 +1,7 @@
 import pytest
 
-from canopen_twins.devices.topcon.model import Battery, Resistor, Short, StageState
+from canopen_twins.devices.topcon.model.loads import Battery, Resistor, Short
+from canopen_twins.devices.topcon.model.states import StageState
 
 CV = (2000, 4000, 4000, 0)
 
@@ -125,7 +126,7 @@ def test_the_current_limit_at_rated_current_never_fills_the_i2t_store(running):
     stage = running(load="resistor 3", parts=(4000, 4000, 4000, 0))
     assert stage.current == pytest.approx(100)
     stage.step(3600.0)
-    assert stage.i2t < 1e-3 * stage.unit.i2t_limit
+    assert stage.store.charge < 1e-3 * stage.unit.i2t_limit
     assert stage.errors == ()
 
 

@@ -1,6 +1,6 @@
 import pytest
 
-from canopen_twins.devices.topcon.model import StageState
+from canopen_twins.devices.topcon.model.states import StageState
 
 CV = (2000, 4000, 4000, 0)
 
@@ -131,7 +131,7 @@ def test_an_i2t_trip_can_be_reset_once_the_store_is_below_its_limit(running):
     assert stage.errors == (0x20,)
     stage.reset()
     assert stage.errors == ()
-    assert stage.i2t == 0.0
+    assert stage.store.charge == 0.0
 
 
 @pytest.mark.spec("A-49")

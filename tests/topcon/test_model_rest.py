@@ -2,7 +2,9 @@ from math import inf
 
 import pytest
 
-from canopen_twins.devices.topcon.model import OutputStage, Short, StageState
+from canopen_twins.devices.topcon.model.loads import Short
+from canopen_twins.devices.topcon.model.stage import OutputStage
+from canopen_twins.devices.topcon.model.states import StageState
 
 FULL = (4000, 4000, 4000, 0)
 CV = (2000, 4000, 4000, 0)
@@ -32,7 +34,7 @@ class Counting(OutputStage):
 
 
 def readings(stage):
-    return stage.voltage, stage.current, stage.power, stage.temperature, stage.i2t
+    return stage.voltage, stage.current, stage.power, stage.temperature, stage.store.charge
 
 
 @PLACES

@@ -2,8 +2,7 @@ from itertools import product
 
 import pytest
 
-from canopen_twins.devices.topcon.model import Mode, StageState
-from canopen_twins.devices.topcon.model.states import TRANSITIONS, StageEvent
+from canopen_twins.devices.topcon.model.states import TRANSITIONS, Mode, StageEvent, StageState
 
 CV = (2000, 4000, 4000, 0)
 

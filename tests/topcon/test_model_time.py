@@ -2,7 +2,9 @@
 
 import pytest
 
-from canopen_twins.devices.topcon.model import Mode, OutputStage, Short, StageState
+from canopen_twins.devices.topcon.model.loads import Short
+from canopen_twins.devices.topcon.model.stage import OutputStage
+from canopen_twins.devices.topcon.model.states import Mode, StageState
 
 FULL = (4000, 4000, 4000, 0)
 

@@ -3,8 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from canopen_twins.devices.topcon.model import parse_load
-from canopen_twins.devices.topcon.model.loads import LOADS
+from canopen_twins.devices.topcon.model.loads import LOADS, parse_load
 from canopen_twins.devices.topcon.model.states import TRANSITIONS
 
 ROOT = Path(__file__).parents[2]

@@ -4,7 +4,7 @@ import sys
 import pytest
 
 from canopen_twins import Bench
-from canopen_twins.devices.topcon.model import OutputStage
+from canopen_twins.devices.topcon.model.stage import OutputStage
 from canopen_twins.scenario import load, play
 
 SCENARIO = """

@@ -21,7 +21,7 @@ from canopen_twins.devices.charger.model.surroundings import Surroundings
 from canopen_twins.devices.charger.model.ticks import MINUTE, TICK
 from canopen_twins.devices.charger.model.types import Mode
 from canopen_twins.devices.charger.object_table import addresses, factory, file_name
-from canopen_twins.devices.charger.objects import ActualValues, Control
+from canopen_twins.devices.charger.objects import Control, actual_values
 from canopen_twins.devices.charger.settings import Settings, build, detector, undisturbed
 from canopen_twins.devices.charger.storage import Storage
 from canopen_twins.slave.dictionary import dictionary
@@ -75,7 +75,7 @@ class Device(device.Device):
         exists = addresses(self.build)
         acting = {
             **communication.objects(self.settings),
-            **ActualValues(self.charger).objects,
+            **actual_values(self.charger),
             **self.control.objects,
             **self.network.objects,
         }

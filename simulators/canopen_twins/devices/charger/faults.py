@@ -66,7 +66,7 @@ def _supply(around: Surroundings, volts: float) -> Surroundings:
 def _overtemperature(around: Surroundings, sensor: str, kelvin: float) -> Surroundings:
     if sensor not in SENSORS:
         raise unknown("sensor", sensor, SENSORS)
-    return replace(around, heat=around.heat._replace(**{sensor: kelvin}))
+    return replace(around, heat={**around.heat, sensor: kelvin})
 
 
 def _share(percent: float) -> float:

@@ -15,7 +15,8 @@ from canopen_twins.devices.topcon.card import CardErrors, Registers
 from canopen_twins.devices.topcon.chart import chart
 from canopen_twins.devices.topcon.control import Control, Scale
 from canopen_twins.devices.topcon.faults import faults
-from canopen_twins.devices.topcon.model import Mode, OutputStage
+from canopen_twins.devices.topcon.model.stage import OutputStage
+from canopen_twins.devices.topcon.model.states import Mode
 from canopen_twins.devices.topcon.panel import Panel
 from canopen_twins.devices.topcon.settings import Settings
 from canopen_twins.slave.emcy import Emcy

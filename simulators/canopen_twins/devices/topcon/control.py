@@ -3,7 +3,8 @@
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
-from canopen_twins.devices.topcon.model import OutputStage, UnitType
+from canopen_twins.devices.topcon.model.stage import OutputStage
+from canopen_twins.devices.topcon.model.unit import UnitType
 from canopen_twins.devices.topcon.panel import Panel
 from canopen_twins.devices.topcon.settings import Settings
 from canopen_twins.slave.object import Abort, Address, Object, Rejected

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from canopen_twins.device.faults import Fault, Parameter
 from canopen_twins.devices.topcon.messages import card_error, unit_error
-from canopen_twins.devices.topcon.model import OutputStage
 from canopen_twins.devices.topcon.model.protections import RAILS
+from canopen_twins.devices.topcon.model.stage import OutputStage
 from canopen_twins.errors import UserError, unknown
 
 if TYPE_CHECKING:

@@ -6,7 +6,9 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
-from canopen_twins.devices.topcon.model import Load, OutputStage, UnitType, parse_load
+from canopen_twins.devices.topcon.model.loads import Load, parse_load
+from canopen_twins.devices.topcon.model.stage import OutputStage
+from canopen_twins.devices.topcon.model.unit import UnitType
 from canopen_twins.devices.topcon.settings import Settings
 from canopen_twins.errors import UserError, unknown
 from canopen_twins.files.document import Item, understand, values

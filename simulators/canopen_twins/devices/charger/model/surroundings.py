@@ -1,5 +1,6 @@
 """What is around the charger, supply and load among it; all of it is assumed."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import inf, sqrt
 from typing import NamedTuple
@@ -7,7 +8,7 @@ from typing import NamedTuple
 from canopen_twins.devices.charger.model.discharging import Bars
 from canopen_twins.devices.charger.model.load import Electrode, Load, Web
 from canopen_twins.devices.charger.model.sparks import Storm
-from canopen_twins.devices.charger.model.thermal import AMBIENT, Heat
+from canopen_twins.devices.charger.model.thermal import AMBIENT
 from canopen_twins.devices.charger.model.types import Mode, Type
 
 IDLE_POWER = 5.0  # W
@@ -53,7 +54,7 @@ class Surroundings:
     leak: float = inf  # ohm, by conductive dirt
     web: Web = field(default_factory=Web)
     bars: Bars = field(default_factory=Bars)
-    heat: Heat = field(default_factory=Heat)
+    heat: Mapping[str, float] = field(default_factory=dict)  # K, by sensor, as of a blocked fan
     storm: Storm | None = None
 
     def load(self, kind: Type, mode: int) -> Load:

@@ -109,11 +109,6 @@ class Plant(Inputs):
         return self.heat.temperature
 
     @property
-    def i2t(self) -> float:
-        """In the I2t store, A2s."""
-        return self.store.charge
-
-    @property
     def loss(self) -> float:
         """W into the heat sink; current taken in costs as much as current given out."""
         if not self.running:
