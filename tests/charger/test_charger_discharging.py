@@ -112,6 +112,7 @@ def test_the_software_release_counts_for_the_discharging_if_it_shall(
 
 @pytest.mark.spec("C-143")
 def test_an_error_switches_the_discharging_off_too(discharging, catalogue):
+    assert discharging.discharging_active
     discharging.force(catalogue.keyed(Severity.ERROR, "discharging_short"))
     assert not discharging.discharging_active
 

@@ -18,11 +18,6 @@ def test_the_pins_of_the_plug_are_told(pin):
     assert "connected 1:1" in PAGE
 
 
-@pytest.mark.spec("T-090")
-def test_the_ports_are_told():
-    assert "RS-232" in PAGE
-
-
 def test_the_picture_of_the_states_is_that_of_the_table():
     drawn = set(re.findall(r"^    (\w+) --> (\w+): (\w+)$", PAGE, re.MULTILINE))
     assert drawn == {
