@@ -7,6 +7,7 @@ from probe import Probe
 from canopen_twins import Bench
 
 pytest_plugins = ["pytester"]
+collect_ignore = ["project_beside"]  # it runs by itself: see test_beside.py
 
 # the same examples in every run, however slow the machine
 settings.register_profile("reproducible", derandomize=True, deadline=None)

@@ -24,7 +24,7 @@ class Probe(Device):
 
     eds = str(Path(__file__).with_name("probe.eds"))
     title = "Probe of the engine"
-    settings_type = Settings
+    settings = Settings()
     stored = ((0x1017, 0), (0x2001, 0), (0x2003, 0), LEVEL)
     rest = inf
     online = True

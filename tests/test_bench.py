@@ -3,7 +3,7 @@ import pytest
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 from probe import Probe
 
-from canopen_twins import Bench, UserError
+from canopen_twins import Bench, Twin, UserError
 
 
 @pytest.fixture
@@ -196,12 +196,59 @@ def test_looking_at_a_device_brings_it_up_to_the_present(bench):
     assert bench.device.steps == [0.5]
 
 
-def test_what_a_look_at_a_device_brings_to_light_is_sent_at_once(operational):
+def test_a_look_at_a_device_sends_nothing(operational):
+    probe = operational.device
+    probe.step = lambda dt: probe.on_heartbeat(7, False)
+    operational.run(0.5)
+    told = list(operational.trace)
+    assert operational.device is probe
+    assert (operational.report, operational.values("Level")) == ({}, {"Level": 0})
+    assert operational.trace == told
+
+
+def test_what_a_look_at_a_device_brings_to_light_is_sent_before_time_moves(operational):
     probe = operational.device
     probe.step = lambda dt: probe.on_heartbeat(7, False)
     operational.run(0.5)
     assert operational.device is probe
+    operational.run(0.5)
     assert str(operational.trace[-1]) == "(0000000000.500000) can0 085#3081110000000000"
+
+
+def test_what_is_done_by_hand_to_the_device_is_not_sent_by_the_next_look(operational):
+    sent = len(operational.sent)
+    operational.device.level = 7
+    assert operational.device.level == 7
+    assert operational.sent[sent:] == []
+    assert operational.run(0.0) == ["185#070000"]
+
+
+def test_a_bench_of_one_twin_is_the_handle_on_it(bench):
+    assert isinstance(bench, Twin)
+    bench.inject("error", code=0x2310)
+    assert bench.sent[-1] == "085#102301" + b"field".hex().upper()
+    assert (bench.node_id, bench.state) == (5, "PRE-OPERATIONAL")
+    bench.power_off()
+    assert (bench.node_id, bench.state, bench.values()) == (5, "INITIALISING", {})
+
+
+def test_the_values_of_a_twin_are_those_of_its_dictionary_by_the_names_of_the_eds(bench):
+    bench.send("605#2F00200007000000")
+    assert bench.values("Byte") == {"Byte": 7}
+    assert bench.values("Refusing") == {}  # a master cannot read it either
+    with pytest.raises(UserError, match="unknown object 'Bite': did you mean 'Byte'"):
+        bench.values("Bite")
+    topcon = Bench("topcon")
+    assert topcon.values()["Nominal voltage"] == 400
+    assert topcon.sent == ["701#00"]
+
+
+def test_a_master_that_replies_to_what_it_hears_comes_after_all_who_only_listen(bench):
+    heard = []
+    bench.master.subscribe(0x705, lambda *_: bench.master.send_message(0x123, b""))
+    bench.segment.listeners.append(lambda frame, sender: heard.append(str(frame)))
+    bench.send("000#8105")
+    assert heard == ["000#8105", "705#00", "123#"]
 
 
 def test_what_is_done_to_the_device_by_hand_counts_for_the_next_frame(bench):

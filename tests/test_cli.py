@@ -83,7 +83,7 @@ def test_an_entry_is_told_with_type_access_default_and_limits(said):
 def test_every_setting_and_every_fault_of_every_device_is_told(said, device):
     _, told, _ = said("settings", device)
     names = [line.split()[0] for line in told.splitlines()[1:]]
-    assert names == list(devices.find(device).settings_type.__dataclass_fields__)
+    assert names == list(devices.find(device).settings.__dataclass_fields__)
     _, told, _ = said("faults", device)
     for name, fault in Bench(device).twin.node.faults.known.items():
         assert f"{name}\n    {fault.text}\n" in told

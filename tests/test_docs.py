@@ -84,7 +84,7 @@ def test_what_does_not_work_is_found(text, pytester):
 @pytest.mark.parametrize("device", devices.names())
 def test_the_page_of_a_device_has_every_setting_and_every_assumption_behind_one(device):
     page = page_of(device)
-    settings = fields(devices.find(device).settings_type)
+    settings = fields(devices.find(device).settings)
     assert [entry.name for entry in settings if f"`{entry.name}`" not in page] == []
     assumed = {
         number for entry in settings for number in re.findall(r"A-\d+", about(entry).assumed)
@@ -96,11 +96,11 @@ def test_the_page_of_a_device_has_every_setting_and_every_assumption_behind_one(
 @pytest.mark.parametrize("device", devices.names())
 def test_the_page_of_a_device_has_the_words_of_every_setting_default_first(device):
     page = page_of(device)
-    settings = devices.find(device).settings_type
-    for name, kind in get_type_hints(settings).items():
+    settings = devices.find(device).settings
+    for name, kind in get_type_hints(type(settings)).items():
         if get_origin(kind) is Literal:
             assert f"`{name}`: `" + "`, `".join(get_args(kind)) + "`" in page
-            assert get_args(kind)[0] == getattr(settings(), name)
+            assert get_args(kind)[0] == getattr(settings, name)
 
 
 @pytest.mark.parametrize("device", devices.names())

@@ -82,19 +82,32 @@ def test_a_fault_that_has_healed_is_not_active_and_is_cleared_all_the_same(log):
 
 def test_what_is_around_a_device_is_not_injected_again_when_its_power_comes(log):
     around = {"line": Fault("around", lambda: log.append("line"), lambda: None)}
-    faults = Faults({"own": Fault("own", lambda: log.append("own"), lambda: None)}, around)
+    own = {"own": Fault("own", lambda: log.append("own"), lambda: None)}
+    faults = Faults(own, around)
     faults.inject("line")
     faults.inject("own")
     log.clear()
-    faults.renew()
+    faults.renew(own)
     assert log == ["own"]
+
+
+def test_after_a_power_cycle_the_faults_are_those_of_the_model_that_is_there_now(log):
+    def told(model):
+        act, undo = log.append, lambda: log.append(f"{model} is free")
+        return {"own": Fault("own", lambda: act(f"{model} is stuck"), undo)}
+
+    faults = Faults(told("the first"))
+    faults.inject("own")
+    faults.renew(told("the second"))
+    faults.clear("own")
+    assert log == ["the first is stuck", "the second is stuck", "the second is free"]
 
 
 def test_what_is_active_can_be_injected_again_as_it_was(faults, log):
     faults.inject("lasting", number=3)
     faults.inject("passing")
     log.clear()
-    faults.renew()
+    faults.renew(faults.known)
     assert log == [("inject", 3, 10)]
 
 

@@ -148,6 +148,74 @@ def test_one_that_is_broken_is_told_and_hides_no_other(python, packages, what, t
     assert (asked.returncode, asked.stderr) == (2, f"canopen-twin: {listed.stderr}")
 
 
+MISTAKEN = """
+from canopen_fan import Fan
+from canopen_twins import Abort, Device, Object, Rejected
+
+
+class Untitled(Device):
+    eds = Fan.eds
+
+
+class Misread(Fan):
+    title = "A fan that forgets to round"
+
+    @property
+    def objects(self):
+        return {(0x2001, 0): Object(read=lambda: 12.5)}
+
+
+class Refusing(Fan):
+    title = "A fan that refuses the wrong way round"
+
+    @property
+    def objects(self):
+        return {(0x2000, 0): Object(write=self.refuse)}
+
+    def refuse(self, rpm):
+        raise Rejected(Abort.TOO_HIGH, "too fast")
+"""
+
+
+@pytest.fixture
+def mistaken(packages):
+    """Devices whose author has made a mistake."""
+    (packages / "mistaken.py").write_text(MISTAKEN)
+    names = ("Untitled", "Misread", "Refusing")
+    install(packages, project("my-fans", {name.lower(): f"mistaken:{name}" for name in names}))
+
+
+def test_one_without_a_title_hides_no_other(python, mistaken):
+    listed = python("canopen_twins", "list")
+    assert listed.returncode == 0
+    assert "\nfan " in listed.stdout
+    (line,) = listed.stderr.splitlines()
+    assert line.startswith("device 'untitled' of my-fans: Untitled has no title: write title = ")
+
+
+@pytest.mark.parametrize(
+    ("device", "step", "told"),
+    [
+        (
+            "misread",
+            "read: {Actual speed: 12}",
+            "Misread: the object 0x2001:00 'Actual speed' reads 12.5, which does not fit"
+            " UNSIGNED16, 12 would",
+        ),
+        ("refusing", "write: {Target speed: 12}", "Rejected(<Abort.TOO_HIGH: 101253169>, "),
+    ],
+)
+def test_a_mistake_in_an_object_is_told_in_one_line_with_the_step(
+    python, mistaken, tmp_path, device, step, told
+):
+    story = tmp_path / "story.yaml"
+    story.write_text(f"version: 1\nnode: {{device: {device}}}\nsteps:\n  - {{at: 0, {step}}}\n")
+    played = python("canopen_twins", "play", story)
+    assert "Traceback" not in played.stderr
+    assert told in played.stdout + played.stderr
+    assert played.returncode != 0
+
+
 def test_the_page_shows_the_files_as_they_are():
     assert set(SHOWN) == {
         str(path.relative_to(EXAMPLE))

@@ -22,7 +22,7 @@ from canopen_twins.errors import UserError
 if TYPE_CHECKING:
     from canopen_twins.bench.bench import Bench
     from canopen_twins.device.device import Device
-    from canopen_twins.live.served import Served
+    from canopen_twins.live.twin import LiveTwin
     from canopen_twins.scenario import Scenario, Verdict
     from canopen_twins.scenario.bench import ScenarioBench
 
@@ -212,7 +212,7 @@ def canopen_simulated_time() -> Iterator[Callable[..., None]]:
 
 
 @pytest.fixture
-def canopen_device(request: pytest.FixtureRequest) -> Iterator[Callable[..., Served]]:
+def canopen_device(request: pytest.FixtureRequest) -> Iterator[Callable[..., LiveTwin]]:
     """Serves twins in real time: `canopen_device("topcon", node_id=5)` has booted when it returns.
 
     The bus is that of `--canopen-interface` and `--canopen-channel`, or of the ini keys
@@ -221,7 +221,7 @@ def canopen_device(request: pytest.FixtureRequest) -> Iterator[Callable[..., Ser
     """
     from contextlib import ExitStack  # noqa: PLC0415
 
-    from canopen_twins.live.served import Served  # noqa: PLC0415
+    from canopen_twins.live.twin import LiveTwin  # noqa: PLC0415
 
     shown = request.node.stash.setdefault(SHOWN, [])
     bus = {
@@ -230,10 +230,10 @@ def canopen_device(request: pytest.FixtureRequest) -> Iterator[Callable[..., Ser
     }
     with ExitStack() as running:
 
-        def start(device: str, **settings: object) -> Served:
-            served = Served(device, settings, bus)
-            shown.append(served.report)
-            return running.enter_context(served)
+        def start(device: str, **settings: object) -> LiveTwin:
+            twin = LiveTwin(device, settings, bus)
+            shown.append(twin.scene)
+            return running.enter_context(twin)
 
         yield start
 
@@ -244,7 +244,7 @@ def _option(config: pytest.Config, name: str) -> Any:
 
 MODULES = {
     "canopen_bench": ("canopen_twins.diagnosis.report",),
-    "canopen_device": ("canopen_twins.live.served",),
+    "canopen_device": ("canopen_twins.live.twin",),
     "canopen_scenario": ("canopen_twins.scenario.bench", "canopen_twins.scenario.reading.scenario"),
     "canopen_simulated_time": ("canopen_twins.bench.simulated_time",),
 }

@@ -36,7 +36,7 @@ def test_the_fixture_of_a_device_has_it_imported_and_read_before_the_first_test(
     names = imported("topcon")
     assert "canopen_twins.devices.topcon" in names
     assert "canopen_twins.devices.charger" not in names
-    assert "canopen_twins.live.served" not in names
+    assert "canopen_twins.live.twin" not in names
 
 
 def test_a_fixture_for_any_device_has_all_of_them_there(imported):
@@ -44,7 +44,7 @@ def test_a_fixture_for_any_device_has_all_of_them_there(imported):
         "canopen_twins.devices.topcon",
         "canopen_twins.devices.charger",
         "canopen_twins.devices.gateway",
-        "canopen_twins.live.served",
+        "canopen_twins.live.twin",
     } <= imported("canopen_device")
 
 

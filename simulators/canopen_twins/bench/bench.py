@@ -1,54 +1,122 @@
 """A test bench: twins and a canopen master in one process, in simulated time, without a thread."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Self
 
 import canopen
 
 from canopen_twins import devices
-from canopen_twins.bench.twin import Twin
+from canopen_twins.bench.twin import ORDERS, Twin
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Record, Segment
 from canopen_twins.bus.wire import PeriodicFrame
 from canopen_twins.device.device import Device
 from canopen_twins.device.node import Node
+from canopen_twins.faults import connect
 
 
-class Bench:
+class BenchTwin(Twin):
+    """One twin on a bench, as a test sees it: the device itself, and a master's view of it."""
+
+    def __init__(
+        self, nodes: Sequence[Node], segment: Segment[Node], master: canopen.Network
+    ) -> None:
+        self._nodes = nodes
+        self.segment = segment
+        self.master = master
+
+    @property
+    def node(self) -> Node:
+        """What is on the bus of it.
+
+        Raises:
+            LookupError: this is a bench with several; take them by name.
+        """
+        if len(self._nodes) != 1:
+            first = self._nodes[0].wire.name
+            raise LookupError(f"several twins: say which, such as bench[{first!r}]")
+        return self._nodes[0]
+
+    @property
+    def name(self) -> str:
+        """As it is called on the bench."""
+        return self.node.wire.name
+
+    def order(self, word: str, *arguments: Any) -> Any:
+        """At once: a bench stands still between two calls."""
+        outcome = ORDERS[word](self.node, *arguments)
+        self.segment.deliver()
+        return outcome
+
+    @property
+    def device(self) -> Any:
+        """The device itself as it is at this moment.
+
+        Looking sends nothing. What is done to it by hand counts before the next frame from outside,
+        and before time moves.
+        """
+        self.segment.touch(self.node.settle)
+        return self.node.look()
+
+    @property
+    def remote(self) -> canopen.RemoteNode:
+        """The master's view of the node, with the dictionary of its EDS."""
+        node_id = self.node.node_id
+        if node_id not in self.master:
+            added = self.master.add_node(node_id, self.node.device.dictionary())
+            added.sdo.RESPONSE_TIMEOUT = 0.0  # the answer is there already, or never comes
+        remote = self.master[node_id]
+        assert isinstance(remote, canopen.RemoteNode)
+        return remote
+
+    @property
+    def sdo(self) -> Any:
+        """SDO access by a real client: `sdo["Run command"].raw = 1`."""
+        return self.remote.sdo
+
+
+class Bench(BenchTwin):
     """One or several twins with power on. Times are in seconds of the bench's own clock.
 
-    `Bench("topcon", node_id=5, load="resistor 4")` has one twin and does what that twin does.
+    `Bench("topcon", node_id=5, load="resistor 4")` has one twin, and is the handle on it.
     `Bench.of({"left": ("topcon", 5), "right": ("topcon", 6)})` has several: `bench["left"].sdo`.
 
     Raises:
         UserError: an unknown device or setting, or two nodes with one id.
     """
 
-    def __init__(self, device: str, **settings: object) -> None:
-        self._connect({device: devices.create(device, **settings)})
-        self._power_on()
+    def __init__(self, device: str | Mapping[str, Device], **settings: object) -> None:
+        if isinstance(device, str):
+            device = {device: devices.create(device, **settings)}
+        segment: Segment[Node] = Segment()
+        nodes = [connect(segment, each, name) for name, each in device.items()]
+        super().__init__(nodes, segment, Master(segment))
+        self.twins = {node.wire.name: BenchTwin([node], segment, self.master) for node in nodes}
+        self.clock = segment.clock
+        self.trace: list[Record] = []
+        segment.listeners.append(self._record)
+        self._begin()
 
     @classmethod
-    def of(cls, nodes: Mapping[str, tuple[str, int] | Device]) -> "Bench":
+    def of(cls, nodes: Mapping[str, tuple[str, int] | Device]) -> Self:
         """Several nodes on one bus and one clock: for each name a device and its node id."""
-        bench = cls.__new__(cls)
-        bench._connect({name: _device(what) for name, what in nodes.items()})  # noqa: SLF001
-        bench._power_on()  # noqa: SLF001
-        return bench
+        return cls({name: _device(what) for name, what in nodes.items()})
 
-    def _connect(self, parts: Mapping[str, Device]) -> None:
-        self.segment: Segment[Node] = Segment()
-        self.clock = self.segment.clock
-        self.trace: list[Record] = []
-        self.master: canopen.Network = Master(self.segment)
-        self.twins = {
-            name: Twin(name, device, self.segment, self.master) for name, device in parts.items()
-        }
-        self.segment.listeners.insert(0, self._record)
-
-    def _power_on(self) -> None:
+    def _begin(self) -> None:
         for twin in self.twins.values():
             twin.power_on()
+
+    def __getitem__(self, name: str) -> BenchTwin:
+        return self.twins[name]
+
+    @property
+    def twin(self) -> BenchTwin:
+        """The only twin of the bench.
+
+        Raises:
+            LookupError: there are several; take them by name.
+        """
+        return self.twins[self.name]
 
     def send(self, text: str) -> list[str]:
         """Put one frame on the bus; what the twins send before time moves.
@@ -82,52 +150,6 @@ class Bench:
         records: Sequence[Record] = self.trace[start:]
         return [str(record.frame) for record in records if record.sender in self.twins]
 
-    def __getitem__(self, name: str) -> Twin:
-        return self.twins[name]
-
-    @property
-    def twin(self) -> Twin:
-        """The only twin of the bench.
-
-        Raises:
-            LookupError: there are several; take them by name.
-        """
-        if len(self.twins) != 1:
-            raise LookupError(
-                f"several twins: say which, such as bench[{next(iter(self.twins))!r}]"
-            )
-        return next(iter(self.twins.values()))
-
-    @property
-    def device(self) -> Any:
-        """See `Twin.device`."""
-        return self.twin.device
-
-    @property
-    def sdo(self) -> Any:
-        """See `Twin.sdo`."""
-        return self.twin.sdo
-
-    def inject(self, name: str, **parameters: Any) -> None:
-        """See `Twin.inject`."""
-        self.twin.inject(name, **parameters)
-
-    def clear(self, name: str | None = None) -> None:
-        """See `Twin.clear`."""
-        self.twin.clear(name)
-
-    def set(self, **settings: object) -> None:
-        """See `Twin.set`."""
-        self.twin.set(**settings)
-
-    def power_off(self) -> None:
-        """See `Twin.power_off`."""
-        self.twin.power_off()
-
-    def power_on(self, **settings: object) -> None:
-        """See `Twin.power_on`."""
-        self.twin.power_on(**settings)
-
 
 def _device(what: tuple[str, int] | Device) -> Device:
     if isinstance(what, Device):
@@ -142,7 +164,7 @@ class Master(canopen.Network):
     def __init__(self, segment: Segment[Node]) -> None:
         super().__init__()
         self._segment = segment
-        segment.listeners.append(self._hear)
+        segment.masters.append(self._hear)
 
     def send_message(self, can_id: int, data: Sequence[int], remote: bool = False) -> None:
         """What canopen calls to send."""

@@ -1,54 +1,57 @@
-"""One twin on a bench, as a test sees it: its supply, its faults, and a master's view of it."""
+"""The handle on one running twin, the same on a bench, on a bus in real time and from afar."""
 
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from itertools import chain
 from typing import Any
 
-import canopen
-
-from canopen_twins.bus.segment import Segment
-from canopen_twins.device.device import Device
 from canopen_twins.device.node import Node
-from canopen_twins.errors import UserError
-from canopen_twins.faults import connect
+from canopen_twins.errors import UserError, unknown
+from canopen_twins.slave.object import Rejected
 
 
-class Twin:
-    """A device by its name on a segment, and the canopen network of the master beside it."""
+class Twin(ABC):
+    """What is done and asked here, whoever drives the twin carries out between two frames.
 
-    def __init__(
-        self, name: str, device: Device, segment: Segment[Node], master: canopen.Network
-    ) -> None:
-        self.name = name
-        self.node: Node = connect(segment, device, name)
-        self._segment = segment
-        self._master = master
+    How an order gets there is all that a kind of twin adds: it is a word of `ORDERS` and what goes
+    with it, so that it can go to another thread or another process.
+    """
 
-    @property
-    def device(self) -> Any:
-        """The device itself as it is at this moment, to look at its model or to act on it."""
-        self._see_to_it()
-        self._segment.deliver()
-        self._segment.touch(self._see_to_it)
-        return self.node.device
+    @abstractmethod
+    def order(self, word: str, *arguments: Any) -> Any:
+        """Have one of `ORDERS` carried out; what comes of it.
 
-    def _see_to_it(self) -> None:
-        with self.node.acting():
-            pass
+        Raises:
+            UserError: as the order does.
+        """
 
     @property
-    def remote(self) -> canopen.RemoteNode:
-        """The master's view of the node, with the dictionary of its EDS."""
-        node_id = self.node.node_id
-        if node_id not in self._master:
-            added = self._master.add_node(node_id, self.node.device.dictionary())
-            added.sdo.RESPONSE_TIMEOUT = 0.0  # the answer is there already, or never comes
-        remote = self._master[node_id]
-        assert isinstance(remote, canopen.RemoteNode)
-        return remote
+    def node_id(self) -> int:
+        """The node id in force, or the one to boot with."""
+        return int(self.order("node_id"))
 
     @property
-    def sdo(self) -> Any:
-        """SDO access by a real client: `sdo["Run command"].raw = 1`."""
-        return self.remote.sdo
+    def state(self) -> str:
+        """The NMT state by the name canopen gives it; INITIALISING while the twin is silent."""
+        return str(self.order("state"))
+
+    @property
+    def report(self) -> Mapping[str, object]:
+        """How the model is at this moment, in engineering units."""
+        report: Mapping[str, object] = self.order("report")
+        return report
+
+    def values(self, *wanted: str) -> Mapping[str, object]:
+        """Entries of the dictionary by their names in the EDS, read without a frame on the bus.
+
+        Without a name all that a master can read; none while the twin is silent.
+
+        Raises:
+            UserError: there is no such entry that can be read.
+        """
+        values: Mapping[str, object] = self.order("values", wanted)
+        return values
 
     def inject(self, name: str, **parameters: Any) -> None:
         """Let something go wrong.
@@ -56,9 +59,7 @@ class Twin:
         Raises:
             UserError: no such fault or parameter.
         """
-        with self.node.acting():
-            self.node.faults.inject(name, **parameters)
-        self._segment.deliver()
+        self.order("inject", name, parameters)
 
     def clear(self, name: str | None = None) -> None:
         """Take one fault away, or all of them.
@@ -66,9 +67,7 @@ class Twin:
         Raises:
             UserError: no such fault.
         """
-        with self.node.acting():
-            self.node.faults.clear(name)
-        self._segment.deliver()
+        self.order("clear", name)
 
     def set(self, **settings: object) -> None:
         """Change live settings, such as the load.
@@ -76,13 +75,11 @@ class Twin:
         Raises:
             UserError: no such setting, a wrong value, or one taken over at power-on only.
         """
-        with self.node.acting() as device:
-            device.set(**settings)
-        self._segment.deliver()
+        self.order("set", settings)
 
     def power_off(self) -> None:
         """Switch the supply off."""
-        self.node.power_off()
+        self.order("power_off")
 
     def power_on(self, **settings: object) -> None:
         """Switch the supply on, with other settings if any are given.
@@ -90,9 +87,58 @@ class Twin:
         Raises:
             UserError: no such setting, a wrong value, or the power is on already.
         """
-        if settings and self.node.powered:
-            raise UserError(f"the power is on: switch it off to change {', '.join(settings)}")
-        if settings:
-            self.node.device.configure(**settings)
-        self.node.power_on()
-        self._segment.deliver()
+        self.order("power_on", settings)
+
+
+def _inject(node: Node, name: str, parameters: Mapping[str, Any]) -> None:
+    with node.acting():
+        node.faults.inject(name, **parameters)
+
+
+def _clear(node: Node, name: str | None) -> None:
+    with node.acting():
+        node.faults.clear(name)
+
+
+def _set(node: Node, settings: Mapping[str, object]) -> None:
+    with node.acting() as device:
+        device.set(**settings)
+
+
+def _power_on(node: Node, settings: Mapping[str, object]) -> None:
+    if settings and node.powered:
+        raise UserError(f"the power is on: switch it off to change {', '.join(settings)}")
+    if settings:
+        node.device.configure(**settings)
+    node.power_on()
+
+
+def _values(node: Node, wanted: Sequence[str]) -> dict[str, object]:
+    node.look()
+    objects = {} if node.slave is None else node.slave.entries
+    entries = {
+        entry.variable.qualname: entry
+        for entry in chain.from_iterable(map(dict.values, objects.values()))
+        if entry.readable
+    }
+    values: dict[str, object] = {}
+    for name in wanted or entries:
+        if name not in entries:
+            raise unknown("object", name, entries)
+        with suppress(Rejected):  # a master would be refused, too
+            values[name] = entries[name].unpack(entries[name].read())
+    return values
+
+
+ORDERS: Mapping[str, Callable[..., Any]] = {
+    "node_id": lambda node: node.node_id,
+    "state": lambda node: str(node.state),
+    "report": lambda node: dict(node.look().report),
+    "values": _values,
+    "inject": _inject,
+    "clear": _clear,
+    "set": _set,
+    "power_off": Node.power_off,
+    "power_on": _power_on,
+}
+"""What is done to a node, and asked of it, by its driver: each takes the node first."""

@@ -3,7 +3,7 @@
 from collections import deque
 from collections.abc import Callable
 from heapq import heappop, heappush
-from itertools import count
+from itertools import chain, count
 from typing import Generic, NamedTuple, Protocol, TypeVar
 
 from canopen_twins.bus.clock import Clock
@@ -81,12 +81,17 @@ AnyEnd = TypeVar("AnyEnd", bound=End)
 
 
 class Segment(Generic[AnyEnd]):
-    """What one node sends, all others and every listener get, in the order in which it was sent."""
+    """What one node sends, all others and every listener get, in the order in which it was sent.
+
+    A frame is heard by the nodes, then by `listeners`, each in the order in which they came, and at
+    last by `masters`, who may send while they hear: nobody hears a reply before what it replies to.
+    """
 
     def __init__(self) -> None:
         self.clock = Clock()
         self.nodes: list[AnyEnd] = []
         self.listeners: list[Listener] = []
+        self.masters: list[Listener] = []
         self.outbox: Outbox = deque()
         self._foreign = Wire(self.clock, self.outbox)
         self._touched: list[Callable[[], None]] = []
@@ -128,8 +133,7 @@ class Segment(Generic[AnyEnd]):
     def deliver(self) -> None:
         """Bring every frame that is waiting to whoever hears it.
 
-        Listeners come after the nodes, as they may send in turn: no node hears the reply to a
-        frame before the frame. They hear the frame that brings a bug to light, too.
+        Listeners hear the frame that brings a bug to light, too.
         """
         arrived = self.outbox if self._bus is None else self._bus.arrived
         while arrived:
@@ -139,7 +143,7 @@ class Segment(Generic[AnyEnd]):
                     if node.wire is not sender:
                         node.receive(frame)
             finally:
-                for listener in self.listeners:
+                for listener in chain(self.listeners, self.masters):
                     listener(frame, sender.name)
         if self._bus is not None:
             self._bus.take(self.outbox)

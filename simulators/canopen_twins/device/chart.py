@@ -38,7 +38,7 @@ class Band(NamedTuple):
 
 
 class Chart(NamedTuple):
-    """What is drawn of a device; it is asked for once, and lasts as long as the device."""
+    """What is drawn of a device: the same curves in the same order, whenever it is asked for."""
 
     curves: Sequence[Curve] = ()
     band: Callable[[], Band] | None = None

@@ -1,4 +1,4 @@
-"""What a device tells its master of itself when something is wrong, message by message."""
+"""What a twin is made of: a device with its model, its objects, and what it does on the bus."""
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -11,6 +11,7 @@ from canopen_twins.device.chart import Chart
 from canopen_twins.device.faults import Fault
 from canopen_twins.device.settings import NodeSettings, changed
 from canopen_twins.errors import UserError
+from canopen_twins.files.shipped import od_file
 from canopen_twins.slave.dictionary import dictionary
 from canopen_twins.slave.emcy import Emcy, Farewell, when_all_are_gone
 from canopen_twins.slave.memory import Memory
@@ -46,25 +47,43 @@ Message = EmcyMessage | BitMessage
 class Device:
     """A model, the dictionary in front of it, and what it does on the bus.
 
-    Commands come from the node in this order: `power_on`, then `on_state`, `step` and writes to
-    objects as they happen, `reset_node` and `reset_communication` when the NMT master says so.
+    A class names its `eds` and its `title`, and makes its model in `make_model`, which is called
+    when the device is made and configured, so that there is a model without power as well.
+    Commands come from the node in this order: `make_model` and `power_on`, then `on_state`, `step`
+    and writes to objects as they happen, `reset_node` and `reset_communication` when the NMT master
+    says so.
+
+    Raises:
+        UserError: settings that are unknown or of the wrong kind.
     """
 
     eds: str
     """File of od/, or a path."""
     title: ClassVar[str]
     """Maker, name and manual, for lists."""
-    settings_type: ClassVar[type[Any]] = NodeSettings
-    """The dataclass of its settings."""
+    settings: Any = NodeSettings()
+    """The defaults, a frozen dataclass; a class names its own, `settings = MySettings()`."""
     profile: Profile = Profile()
     cycle: float = 0.01
     """Seconds between two steps, whole microseconds."""
 
     def __init__(self, **given: object) -> None:
-        """Raises `UserError` for settings that are unknown or of the wrong kind."""
-        self.settings: Any = self.settings_type()
         self.memory = Memory()
         self.configure(**given)
+
+    @classmethod
+    def complete(cls) -> None:
+        """Look at what its author has written, before it is listed and before it has power.
+
+        Raises:
+            UserError: it has no title or no EDS, or there is no such file.
+        """
+        for name, example in (("title", "Maker, name (manual)"), ("eds", "fan.eds")):
+            if not isinstance(getattr(cls, name, None), str):
+                raise UserError(f'{cls.__name__} has no {name}: write {name} = "{example}"')
+        with od_file(cls.eds) as path:
+            if not path.is_file():
+                raise UserError(f"{cls.__name__}: there is no EDS {path}; eds is a path to one")
 
     @property
     def node_id(self) -> int:
@@ -126,7 +145,7 @@ class Device:
 
     @property
     def chart(self) -> Chart:
-        """What is drawn in a picture of a run."""
+        """What is drawn in a picture of a run; asked for whenever somebody looks."""
         return Chart()
 
     farewell: Farewell = staticmethod(when_all_are_gone)
@@ -145,8 +164,11 @@ class Device:
         """What this device does on the bus beyond the standard services."""
         return ()
 
+    def make_model(self) -> None:
+        """Make the model from the settings; every power-on renews it, and all that is volatile."""
+
     def power_on(self) -> None:
-        """Supply comes: everything volatile starts afresh."""
+        """Supply comes, to a model that has been made anew."""
 
     def power_off(self) -> None:
         """Supply goes."""
@@ -192,7 +214,7 @@ class Device:
     def configure(self, **given: object) -> None:
         """Change settings while the device is off; raises as `set` does."""
         with self._trial(given):
-            pass
+            self.make_model()
 
     @contextmanager
     def _trial(self, given: Mapping[str, object], live: bool = False) -> Iterator[None]:

@@ -53,11 +53,8 @@ class Faults:
     def __init__(
         self, of_device: Mapping[str, Fault], around: Mapping[str, Fault] | None = None
     ) -> None:
-        around = around or {}
-        if twice := of_device.keys() & around.keys():
-            raise ValueError(f"every device has a fault {min(twice)!r}: name yours otherwise")
-        self.known = {**of_device, **around}
-        self._of_device = of_device
+        self._around = around or {}
+        self._take(of_device)
         self._injected: dict[str, dict[str, Any]] = {}
 
     @property
@@ -91,11 +88,21 @@ class Faults:
             if values is not None and fault.clear is not None:
                 fault.clear(**values)
 
-    def renew(self) -> None:
-        """Inject again what a power cycle took from the device: a cause outlives it."""
+    def renew(self, of_device: Mapping[str, Fault]) -> None:
+        """Inject again what a power cycle took from the device: a cause outlives it.
+
+        Its faults are told anew, as those before it may act on the model before it.
+        """
+        self._take(of_device)
         for name, values in self._injected.items():
             if name in self._of_device:
                 self.known[name].inject(**values)
+
+    def _take(self, of_device: Mapping[str, Fault]) -> None:
+        if twice := of_device.keys() & self._around.keys():
+            raise ValueError(f"every device has a fault {min(twice)!r}: name yours otherwise")
+        self.known = {**of_device, **self._around}
+        self._of_device = of_device
 
     def words(self, name: str, values: Mapping[str, Any]) -> str:
         """A fault with those of its parameters that somebody has chosen."""

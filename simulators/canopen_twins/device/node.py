@@ -1,14 +1,16 @@
-"""The services of one slave, from one boot to the next: who hears what, who has news."""
+"""A device on a wire: the path of a frame, and the services from every boot to the next."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from math import inf, isfinite
+from pathlib import Path
 
 from canopen_twins.bus.clock import MICROSECONDS, Action, Clock, Scope, Timer, microseconds
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.wire import Outbox, Wire, through
 from canopen_twins.device.device import Device
 from canopen_twins.device.faults import Faults
+from canopen_twins.errors import UserError
 from canopen_twins.slave.emcy import EmcyLog, EmcyProducer
 from canopen_twins.slave.heartbeat import HeartbeatConsumer, HeartbeatProducer
 from canopen_twins.slave.nmt import Nmt, Reset
@@ -44,7 +46,7 @@ class Stack:
         self._heartbeat = HeartbeatProducer(slave)
         self._services = [self._nmt, self._heartbeat, *_services(slave, device, log)]
         slave.on_communication_change = self._on_communication_change
-        slave.bind(device.objects)
+        _bind(slave, device)
         for service in self._services:
             slave.bind(service.objects)
 
@@ -107,6 +109,17 @@ class Stack:
                 self.publishers.append(service.publish)
 
 
+def _bind(slave: Slave, device: Device) -> None:
+    objects = device.objects
+    for index, subindex in objects:
+        if not slave.has(index, subindex):
+            raise UserError(
+                f"{type(device).__name__}: its EDS {Path(device.eds).name} has no entry"
+                f" 0x{index:04X}:{subindex:02X}, which is among its objects"
+            )
+    slave.bind(objects, type(device).__name__)
+
+
 def _services(slave: Slave, device: Device, log: EmcyLog) -> Iterator[Service]:
     """Those that nobody but the bus asks for anything, in the order in which they speak."""
     yield HeartbeatConsumer(slave, device.on_heartbeat)
@@ -159,13 +172,19 @@ class Node:
         return self.device.node_id if self._stack is None else self._stack.slave.node_id
 
     def power_on(self) -> None:
-        """Switch the supply on; without effect if it is."""
+        """Switch the supply on; without effect if it is.
+
+        Raises:
+            UserError: something is wrong with the class of the device.
+        """
         if self.powered:
             return
+        self.device.complete()
         self.powered = True
         self._stepped = self.clock.ticks
+        self.device.make_model()
         self.device.power_on()
-        self.faults.renew()
+        self.faults.renew(self.device.faults)
         self._settle()
 
     def power_off(self) -> None:
@@ -177,6 +196,12 @@ class Node:
         self.device.power_off()
         self.powered = False
         self._disarm()
+
+    def look(self) -> Device:
+        """The device as it is at this moment: time has passed for it, and nothing is sent."""
+        if self.powered:
+            self._catch_up()
+        return self.device
 
     def receive(self, frame: Frame) -> None:
         """Take a frame from the bus; what the node sends is in the outbox afterwards."""
@@ -208,12 +233,15 @@ class Node:
         action()
         self._settle()
 
+    def settle(self) -> None:
+        """Let news go out of what has been done to the device by hand."""
+        with self.acting():
+            pass
+
     @contextmanager
     def acting(self) -> Iterator[Device]:
         """Act on the device at this moment: time has passed before, news goes out after."""
-        if self.powered:
-            self._catch_up()
-        yield self.device
+        yield self.look()
         if self.powered:
             self._settle()
 

@@ -67,6 +67,10 @@ def _imported(entry: EntryPoint) -> type[Device]:
         raise UserError(f"device {entry.name!r} of {_owner(entry)}: {failure}") from failure
     if not (isinstance(device, type) and issubclass(device, Device)):
         raise UserError(f"device {entry.name!r} of {_owner(entry)}: {entry.value} is no Device")
+    try:
+        device.complete()
+    except UserError as mistake:
+        raise UserError(f"device {entry.name!r} of {_owner(entry)}: {mistake}") from None
     return device
 
 

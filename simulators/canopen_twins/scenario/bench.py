@@ -11,15 +11,17 @@ class ScenarioBench(Bench):
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        self._connect({name: spec.create() for name, spec in scenario.nodes.items()})
+        self._scenario = scenario
+        super().__init__({name: spec.create() for name, spec in scenario.nodes.items()})
+
+    def _begin(self) -> None:
+        scenario = self._scenario
         if scenario.bit_rate is not None:
             self.segment.limit(scenario.bit_rate)
         nodes = {name: twin.node for name, twin in self.twins.items()}
         self._player = Player(scenario, self.segment, nodes)
         self._player.start()
-        listeners = self.segment.listeners
-        listeners.insert(0, listeners.pop())  # before the master, who may reply to what it hears
-        self._power_on()
+        super()._begin()
 
     @property
     def done(self) -> bool:

@@ -10,7 +10,7 @@ from canopen_twins.scenario.scenario import NodeSpec, Scenario
 Find = Callable[[str], type[Device]]
 
 
-def load(path: Path, find: Find = devices.find) -> Scenario:
+def load(path: str | Path, find: Find = devices.find) -> Scenario:
     """The scenario of a file.
 
     Args:
@@ -22,7 +22,7 @@ def load(path: Path, find: Find = devices.find) -> Scenario:
     """
     from canopen_twins.scenario.reading.scenario import read_scenario  # noqa: PLC0415
 
-    return read_scenario(path, find)
+    return read_scenario(Path(path), find)
 
 
 def load_bench(path: Path, find: Find = devices.find) -> Mapping[str, NodeSpec]:

@@ -1,14 +1,24 @@
 """How an object of the dictionary acts, and how it refuses."""
 
+import struct
 from collections.abc import Callable
 from enum import IntEnum
+from math import isfinite
 from typing import Any, NamedTuple
 
-from canopen.objectdictionary import ODVariable
+from canopen.objectdictionary import ODVariable, datatypes
 from canopen.objectdictionary.datatypes import INTEGER_TYPES
+
+from canopen_twins.errors import UserError
 
 Address = tuple[int, int]
 Value = int | float | str | bytes
+TYPES = {
+    number: name
+    for name, number in vars(datatypes).items()
+    if isinstance(number, int) and name.isupper()
+}
+"""The data types of CiA 301 by their numbers."""
 
 
 class Abort(IntEnum):
@@ -45,6 +55,11 @@ class Rejected(Exception):  # noqa: N818 - a refusal is an answer of the device,
     """The device refuses a value or an access; the master is answered with an SDO abort."""
 
     def __init__(self, reason: str, code: int = Abort.INVALID_VALUE) -> None:
+        if not isinstance(reason, str):
+            raise UserError(
+                f"Rejected({reason!r}, {code!r}): the reason comes first, then the code of the"
+                ' abort, as in Rejected("too fast", Abort.TOO_HIGH)'
+            )
         super().__init__(reason)
         self.code = code
 
@@ -70,6 +85,7 @@ class Entry:
     __slots__ = (
         "_adjusts",
         "_cell",
+        "_owner",
         "_source",
         "_writes",
         "address",
@@ -100,12 +116,17 @@ class Entry:
         self._source: Callable[[], Value] | None = None
         self._adjusts: list[Callable[[int], int]] = []
         self._writes: list[Callable[[int], None]] = []
+        self._owner = ""
         self._cell = cell
         cell[variable.subindex] = self.initial
 
-    def bind(self, acts: Object) -> None:
-        """Let an object act, after those that do already; the first that has a value is read."""
-        self._source = self._source or acts.read
+    def bind(self, acts: Object, owner: str = "") -> None:
+        """Let an object act, after those that do already; the first that has a value is read.
+
+        `owner` is whose object it is, for whoever has to mend it.
+        """
+        if self._source is None and acts.read is not None:
+            self._source, self._owner = acts.read, owner
         self.obstacle = self.obstacle or acts.obstacle
         if acts.adjust is not None:
             self._adjusts.append(acts.adjust)
@@ -117,7 +138,22 @@ class Entry:
         if self._source is None:
             return self._cell[self.variable.subindex]
         value = self._source()
-        return value if isinstance(value, bytes) else self.pack(value)
+        if isinstance(value, bytes):
+            return value
+        try:
+            return self.pack(value)
+        except (struct.error, AttributeError, TypeError) as refusal:
+            raise UserError(self._misread(value)) from refusal
+
+    def _misread(self, value: object) -> str:
+        index, subindex = self.address
+        wanted = TYPES.get(self.variable.data_type or 0, "its type")
+        whole = isinstance(value, float) and isfinite(value)
+        hint = f", {value:.0f} would" if whole else ""
+        return (
+            f"{self._owner}: the object 0x{index:04X}:{subindex:02X} {self.variable.name!r} reads"
+            f" {value!r}, which does not fit {wanted}{hint}"
+        )
 
     def write(self, data: bytes) -> None:
         """Take a value of the right length over.

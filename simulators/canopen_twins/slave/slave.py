@@ -57,14 +57,14 @@ class Slave(LocalNode):
             if index >= 0x2000 and index in self.data_store:
                 self.data_store[index].update(cell)
 
-    def bind(self, objects: Mapping[Address, Object]) -> None:
+    def bind(self, objects: Mapping[Address, Object], owner: str = "") -> None:
         """Let entries act. Several may act on one entry: the first bound refuses first.
 
         Raises:
             KeyError: the dictionary has no such entry.
         """
         for (index, subindex), acts in objects.items():
-            self.entries[index][subindex].bind(acts)
+            self.entries[index][subindex].bind(acts, owner)
 
     def entry(self, index: int, subindex: int) -> Entry:
         """The entry at an address.

@@ -17,6 +17,18 @@ class Motor:
         """Whether nothing changes as long as nobody acts."""
         return self.speed == self._aim
 
+    def turn(self, rpm: float) -> None:
+        """Aim at another speed."""
+        self.target = rpm
+
+    def block(self) -> None:
+        """Something keeps the wheel from turning."""
+        self.blocked = True
+
+    def free(self) -> None:
+        """The wheel can turn again."""
+        self.blocked = False
+
     def step(self, dt: float) -> None:
         """Let `dt` seconds pass."""
         self.speed += (self._aim - self.speed) * min(1.0, dt / self.time_constant)

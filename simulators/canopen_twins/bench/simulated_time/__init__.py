@@ -6,7 +6,7 @@ from types import ModuleType
 
 from canopen_twins.bench.bench import Bench
 from canopen_twins.bench.simulated_time.bus import Buses
-from canopen_twins.bench.simulated_time.scheduler import SimulatedTimeError, begin, cease
+from canopen_twins.bench.simulated_time.scheduler import SimulatedTimeError, enter, leave
 from canopen_twins.bench.simulated_time.substitution import (
     StandIns,
     Substitution,
@@ -37,14 +37,14 @@ def simulated_time(
     """
     found = modules_named(modules)
     with ExitStack() as undo:
-        baton = begin(bench.segment, patience)
-        undo.callback(cease)
-        buses = Buses(baton)
-        substitution = Substitution(StandIns(baton, buses.open))
+        scheduler = enter(bench.segment, patience)
+        undo.callback(leave)
+        buses = Buses(scheduler)
+        substitution = Substitution(StandIns(scheduler, buses.open))
         undo.callback(substitution.undo)
         substitution.apply([*modules_of_canopen(), *found])
         undo.callback(buses.close)
-        undo.callback(baton.end)
+        undo.callback(scheduler.end)
         yield
-    if baton.failure is not None:
-        raise baton.failure
+    if scheduler.failure is not None:
+        raise scheduler.failure

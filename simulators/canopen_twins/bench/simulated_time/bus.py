@@ -9,7 +9,7 @@ import can
 import canopen
 
 from canopen_twins.bench.simulated_time.primitives import EPOCH, Condition, Queue
-from canopen_twins.bench.simulated_time.scheduler import Baton, baton
+from canopen_twins.bench.simulated_time.scheduler import Scheduler, in_force
 from canopen_twins.bus.clock import Clock
 from canopen_twins.bus.frame import Frame
 
@@ -42,16 +42,16 @@ class SimulatedBus(can.BusABC):
     Of what it asks for, `bitrate`, `can_filters` and `receive_own_messages` count.
     """
 
-    def __init__(self, baton: Baton, name: str, config: Mapping[str, Any]) -> None:
+    def __init__(self, scheduler: Scheduler, name: str, config: Mapping[str, Any]) -> None:
         self.channel_info = f"{name} on the bench"
-        self._baton = baton
-        self._wire = baton.segment.master(name)
-        self._reception = Reception(baton.clock, config.get("bitrate", BIT_RATE))
+        self._scheduler = scheduler
+        self._wire = scheduler.segment.master(name)
+        self._reception = Reception(scheduler.clock, config.get("bitrate", BIT_RATE))
         self._hears_itself = config.get("receive_own_messages", False)
         self._received: deque[can.Message] = deque()
         channel: Any = config.get("channel")
         super().__init__(channel, config.get("can_filters"))
-        baton.segment.listeners.append(self._hear)
+        scheduler.segment.listeners.append(self._hear)
 
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
         """See `can.BusABC`."""
@@ -59,56 +59,56 @@ class SimulatedBus(can.BusABC):
             raise can.CanOperationError("the bus has been shut down")
         if msg.is_fd or msg.is_error_frame:
             raise can.CanOperationError("a bench carries data frames and remote frames of CAN 2.0")
-        self._baton.holder()
+        self._scheduler.current()
         remote, extended = msg.is_remote_frame, msg.is_extended_id
         self._wire.put(Frame(msg.arbitration_id, bytes(msg.data), remote, extended))
         try:
-            self._baton.segment.deliver()
+            self._scheduler.segment.deliver()
         except Exception as bug:  # of a twin: python-can and canopen log it at best
-            self._baton.failure = self._baton.failure or bug
+            self._scheduler.failure = self._scheduler.failure or bug
             raise
 
     def shutdown(self) -> None:
         """See `can.BusABC`."""
         if not self._is_shutdown:
-            self._baton.segment.listeners.remove(self._hear)
+            self._scheduler.segment.listeners.remove(self._hear)
         super().shutdown()
 
     def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
-        if not self._baton.wait(lambda: self._received, timeout):
+        if not self._scheduler.wait(lambda: self._received, timeout):
             return None, False
         return self._received.popleft(), False
 
     def _hear(self, frame: Frame, sender: str) -> None:
         if sender != self._wire.name or self._hears_itself:
-            limited = self._baton.segment.limited  # then it has taken its time already
+            limited = self._scheduler.segment.limited  # then it has taken its time already
             delay = 0.0 if limited else self._reception.delay(frame)
-            self._baton.clock.after(delay, partial(self._receive, frame))
+            self._scheduler.clock.after(delay, partial(self._receive, frame))
 
     def _receive(self, frame: Frame) -> None:
         self._received.append(
             can.Message(
-                timestamp=EPOCH + self._baton.clock.now,
+                timestamp=EPOCH + self._scheduler.clock.now,
                 arbitration_id=frame.can_id,
                 is_extended_id=frame.extended,
                 is_remote_frame=frame.remote,
                 data=frame.data,
             )
         )
-        self._baton.changed()
+        self._scheduler.changed()
 
 
 class Buses:
     """What stands in for `can.Bus`: every call opens another bus."""
 
-    def __init__(self, baton: Baton) -> None:
-        self._baton = baton
+    def __init__(self, scheduler: Scheduler) -> None:
+        self._scheduler = scheduler
         self._opened: list[SimulatedBus] = []
 
     def open(self, channel: Any = None, *_: object, **config: Any) -> SimulatedBus:
         """See `can.Bus`."""
         name = f"master {len(self._opened) + 1}"
-        self._opened.append(SimulatedBus(self._baton, name, {"channel": channel, **config}))
+        self._opened.append(SimulatedBus(self._scheduler, name, {"channel": channel, **config}))
         return self._opened[-1]
 
     def close(self) -> None:
@@ -133,7 +133,7 @@ def _check(network: canopen.Network) -> None:
     waiting = [remote.nmt.state_update for remote in remotes]
     if isinstance(network.lss.responses, Queue) and all(isinstance(w, Condition) for w in waiting):
         return
-    raise baton().refusal(
+    raise in_force().refusal(
         "this canopen.Network, or a node in it, was made before simulated time began and would"
         " wait in real time: make it inside"
     )

@@ -1,4 +1,7 @@
-"""What a thread waits with: `threading`, `queue` and the clocks of `time`, in simulated time."""
+"""What a thread waits with, in simulated time: what `threading`, `queue` and `time` have.
+
+Only one thread runs at a time, so none of it needs a lock of its own.
+"""
 
 import queue
 import threading
@@ -9,7 +12,20 @@ from threading import get_ident
 from types import TracebackType
 from typing import Any, NamedTuple, TypeVar
 
-from canopen_twins.bench.simulated_time.scheduler import TICK, Baton, Task, baton, changed, wait
+from canopen_twins.bench.simulated_time.scheduler import (
+    TICK,
+    Scheduler,
+    Task,
+    changed,
+    in_force,
+    wait,
+)
+
+T = TypeVar("T")
+
+EPOCH = 946_684_800  # `time.time()` when the bench was made, so that every run has the same dates
+NANOSECONDS = 1_000_000_000
+MOST_READINGS = 100_000  # of a clock that stands still: a loop that never waits
 
 
 class Held(NamedTuple):
@@ -48,13 +64,13 @@ class Lock:
         """See `threading.Lock`."""
         return self._held.depth > 0
 
-    def give_up(self) -> Held:
-        """Release it as often as it was acquired; what `take_back` wants."""
+    def release_save(self) -> Held:
+        """Release it as often as it was acquired; what `acquire_restore` takes."""
         held, self._held = self._held, NOBODY
         changed()
         return held
 
-    def take_back(self, held: Held) -> None:
+    def acquire_restore(self, held: Held) -> None:
         """Hold it as before, even if the wait for it is cut short: its owner will release it."""
         try:
             if self.locked():
@@ -93,9 +109,6 @@ class RLock(Lock):
         return self.locked() and self._held.owner == get_ident()
 
 
-T = TypeVar("T")
-
-
 class Condition:
     """As `threading.Condition`."""
 
@@ -110,17 +123,17 @@ class Condition:
         self._must_be_held()
         ticket = object()
         self._waiting.append(ticket)
-        held = self._lock.give_up()
+        held = self._lock.release_save()
         try:
             return wait(lambda: ticket not in self._waiting, timeout)
         finally:
             if ticket in self._waiting:
                 self._waiting.remove(ticket)
-            self._lock.take_back(held)
+            self._lock.acquire_restore(held)
 
     def wait_for(self, predicate: Callable[[], T], timeout: float | None = None) -> T:
         """See `threading.Condition`."""
-        clock = baton().clock
+        clock = in_force().clock
         end = None if timeout is None else clock.now + timeout
         while not (result := predicate()) and (end is None or clock.now < end):
             self.wait(None if end is None else end - clock.now)
@@ -273,10 +286,10 @@ class Thread(threading.Thread):
         """See `threading.Thread`."""
         if self._task is not None:
             raise RuntimeError("threads can only be started once")
-        holder = baton()
+        scheduler = in_force()
         self.daemon = True  # one that cannot be ended does not keep the interpreter from ending
-        self._task = holder.enlist(self)
-        self.run = partial(holder.take_part, self._task, self.run)  # type: ignore[method-assign]
+        self._task = scheduler.add(self)
+        self.run = partial(scheduler.run_task, self._task, self.run)  # type: ignore[method-assign]
         super().start()
 
     def join(self, timeout: float | None = None) -> None:
@@ -301,16 +314,11 @@ class Timer(Thread, threading.Timer):
         self.finished = Event()  # type: ignore[assignment]
 
 
-EPOCH = 946_684_800  # `time.time()` when the bench was made, so that every run has the same dates
-NANOSECONDS = 1_000_000_000
-MOST_READINGS = 100_000  # of a clock that stands still: a loop that never waits
+class WallClock:
+    """As the clocks of `time` and its `sleep`."""
 
-
-class Wall:
-    """What stands in for the clocks on the wall."""
-
-    def __init__(self, baton: Baton) -> None:
-        self._baton = baton
+    def __init__(self, scheduler: Scheduler) -> None:
+        self._scheduler = scheduler
         self._tick = -1
         self._readings = 0
 
@@ -320,22 +328,22 @@ class Wall:
         Raises:
             SimulatedTimeError: somebody asks again and again and never waits.
         """
-        self._baton.holder()
-        tick = self._baton.clock.ticks
+        self._scheduler.current()
+        tick = self._scheduler.clock.ticks
         self._readings = self._readings + 1 if tick == self._tick else 1
         self._tick = tick
         if self._readings > MOST_READINGS:
-            raise self._baton.refusal(
+            raise self._scheduler.refusal(
                 "a loop asks for the time and never waits: simulated time passes only while the"
                 " master waits, as in time.sleep()"
             )
-        return self._baton.clock.now
+        return self._scheduler.clock.now
 
     def sleep(self, seconds: float) -> None:
         """See `time.sleep`."""
         if seconds < 0:
             raise ValueError("sleep length must be non-negative")
-        self._baton.wait(lambda: False, max(seconds, TICK))  # a loop around sleep(0) goes on
+        self._scheduler.wait(lambda: False, max(seconds, TICK))  # a loop around sleep(0) goes on
 
     def date(self) -> float:
         """See `time.time`."""

@@ -1,4 +1,9 @@
-"""A thread of the master as simulated time sees it, and the two ways in which it ends early."""
+"""Lets one thread of the master run at a time, and simulated time pass while all of them wait.
+
+The thread that enters simulated time, as a rule that of a test, moves the clock of the bench
+whenever it waits; timers of the clock resume the other threads, each until it waits again. So what
+happens, and in which order, depends on the clock alone.
+"""
 
 import asyncio
 import sys
@@ -12,8 +17,10 @@ from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 
 Ready = Callable[[], object]
-"""Whether what somebody waits for has come; asked by whoever holds the baton."""
+"""Whether what somebody waits for has come; asked by the thread that runs."""
 
+TICK = 1 / MICROSECONDS  # seconds; who waits for less, as for a rest left by rounding, gets this
+LONGEST_WAIT = 3600.0  # simulated seconds the test waits for what has no time-out of its own
 MOST_STOPS = 100  # attempts to go on of a thread that has been told to end
 
 
@@ -26,7 +33,7 @@ class Stopped(BaseException):
 
 
 class Task:
-    """What a thread waits for, and the semaphore that says when it is its turn."""
+    """A thread of the master: what it waits for, and the semaphore that resumes it."""
 
     def __init__(self, thread: threading.Thread) -> None:
         self.thread = thread
@@ -68,12 +75,8 @@ class Task:
         return f"thread {self.thread.name!r}{where}"
 
 
-TICK = 1 / MICROSECONDS  # seconds; who waits for less, as for a rest left by rounding, gets this
-LONGEST_WAIT = 3600.0  # simulated seconds the test waits for what has no time-out of its own
-
-
-class Baton:
-    """Who may run, and what has to happen before somebody else may."""
+class Scheduler:
+    """Which thread may run, and what has to happen before another may."""
 
     def __init__(self, segment: Segment[Node], patience: float) -> None:
         self.segment = segment
@@ -84,7 +87,7 @@ class Baton:
         self._tasks: list[Task] = []  # in the order of their start, which is that of their turns
         self._running: Task | None = None
         self._returned = threading.Semaphore(0)
-        self._look_is_due = False
+        self._resumption_is_due = False
         self._ending = False
 
     def wait(self, ready: Ready, timeout: float | None) -> bool:
@@ -93,7 +96,7 @@ class Baton:
         Raises:
             SimulatedTimeError: the caller may not wait here, or would wait for ever.
         """
-        task = self.holder()
+        task = self.current()
         if _in_event_loop():
             raise self.refusal("asyncio has a loop of its own, which waits in real time")
         if task is not None and self._ending:
@@ -108,20 +111,20 @@ class Baton:
 
     def changed(self) -> None:
         """Something has happened: at this moment of the clock, all that wait look again."""
-        self.holder()
-        if not self._look_is_due:
-            self._look_is_due = True
-            self.clock.after(0, self._look)
+        self.current()
+        if not self._resumption_is_due:
+            self._resumption_is_due = True
+            self.clock.after(0, self._resume_ready)
 
-    def enlist(self, thread: threading.Thread) -> Task:
-        """Let a thread that is about to start take part."""
+    def add(self, thread: threading.Thread) -> Task:
+        """Take on a thread that is about to start."""
         self.changed()
         task = Task(thread)
         self._tasks.append(task)
         return task
 
-    def holder(self) -> Task | None:
-        """The task that runs; none for the thread that entered simulated time.
+    def current(self) -> Task | None:
+        """The task whose thread calls; none for the thread that entered simulated time.
 
         Raises:
             SimulatedTimeError: the caller is neither.
@@ -143,8 +146,8 @@ class Baton:
             self.failure = self.failure or error
         return error
 
-    def take_part(self, task: Task, target: Callable[[], None]) -> None:
-        """What a thread of the master does: run when it is its turn."""
+    def run_task(self, task: Task, target: Callable[[], None]) -> None:
+        """What a thread of the master does from its start to its end."""
         task.turn.acquire()
         error = None if self._ending else task.run(target)
         if error is not None and error is not self.failure:
@@ -191,8 +194,8 @@ class Baton:
         if self._ending:
             self._stop(task)
 
-    def _look(self) -> None:
-        self._look_is_due = False
+    def _resume_ready(self) -> None:
+        self._resumption_is_due = False
         for task in self._tasks:
             if task.ready():
                 self._resume(task)
@@ -202,7 +205,7 @@ class Baton:
         """Let a task run until it waits again, or is done."""
         if task.done:
             return
-        if self.holder() is not None:
+        if self.current() is not None:
             raise self.refusal("a thread of the master may not move the clock of the bench")
         self._running = task
         task.turn.release()
@@ -233,43 +236,43 @@ def _in_event_loop() -> bool:
     return True
 
 
-_current: list[Baton] = []
+_in_force: list[Scheduler] = []
 
 
-def begin(segment: Segment[Node], patience: float) -> Baton:
+def enter(segment: Segment[Node], patience: float) -> Scheduler:
     """Let simulated time be that of a segment.
 
     Raises:
         SimulatedTimeError: it is in force already.
     """
-    if _current:
+    if _in_force:
         raise SimulatedTimeError("simulated time is in force already: leave it before you enter it")
-    _current.append(Baton(segment, patience))
-    return _current[0]
+    _in_force.append(Scheduler(segment, patience))
+    return _in_force[0]
 
 
-def cease() -> None:
+def leave() -> None:
     """Go back to real time."""
-    _current.clear()
+    _in_force.clear()
 
 
-def baton() -> Baton:
-    """Who may run.
+def in_force() -> Scheduler:
+    """The scheduler of the simulated time that is in force.
 
     Raises:
         SimulatedTimeError: simulated time is not in force.
     """
-    if not _current:
+    if not _in_force:
         raise SimulatedTimeError("simulated time is over: what was made in it waits no more")
-    return _current[0]
+    return _in_force[0]
 
 
 def wait(ready: Ready, timeout: float | None = None) -> bool:
-    """See `Baton.wait`."""
-    return baton().wait(ready, timeout)
+    """As `Scheduler.wait` of the one in force."""
+    return in_force().wait(ready, timeout)
 
 
 def changed() -> None:
-    """See `Baton.changed`; nobody waits when simulated time is over."""
-    if _current:
-        _current[0].changed()
+    """As `Scheduler.changed`; nobody waits when simulated time is over."""
+    if _in_force:
+        _in_force[0].changed()

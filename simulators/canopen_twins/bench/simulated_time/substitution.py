@@ -1,4 +1,8 @@
-"""What a module of the master finds instead of what waits in real time, put in and taken out."""
+"""Puts stand-ins into modules in the place of what waits in real time, and takes them out again.
+
+What stands in is found by the identity of the value it stands for, so that it does not matter under
+which name a module has imported it.
+"""
 
 import importlib
 import queue
@@ -16,9 +20,20 @@ import canopen.profiles.p402
 
 from canopen_twins.bench.simulated_time import primitives
 from canopen_twins.bench.simulated_time.bus import Notifier
-from canopen_twins.bench.simulated_time.scheduler import Baton
+from canopen_twins.bench.simulated_time.scheduler import Scheduler
 
 T = TypeVar("T")
+
+PYTHON_CAN = (
+    can,
+    can.broadcastmanager,
+    can.bus,
+    can.interface,
+    can.listener,
+    can.notifier,
+    can.thread_safe_bus,
+)
+"""The modules of python-can that wait."""
 
 REFUSED = {
     "asyncio": "use canopen's blocking calls",
@@ -70,24 +85,24 @@ class StandIn(ModuleType):
 class RefusedModule(ModuleType):
     """A module whose functions and classes refuse to be used; constants and exceptions do not."""
 
-    def __init__(self, module: ModuleType, baton: Baton) -> None:
+    def __init__(self, module: ModuleType, scheduler: Scheduler) -> None:
         super().__init__(module.__name__)
         self._module = module
-        self._baton = baton
+        self._scheduler = scheduler
 
     def __getattr__(self, name: str) -> Any:
         value = getattr(self._module, name)
         advice = REFUSED[self._module.__name__]
-        return _refused(value, advice, self._baton) if _refusable(value) else value
+        return _refused(value, advice, self._scheduler) if _refusable(value) else value
 
 
 class StandIns:
-    """Finds what stands in for a value of the real world, by identity: no name matters."""
+    """Finds what stands in for a value of the real world."""
 
-    def __init__(self, baton: Baton, open_bus: Callable[..., can.BusABC]) -> None:
-        self._baton = baton
+    def __init__(self, scheduler: Scheduler, open_bus: Callable[..., can.BusABC]) -> None:
+        self._scheduler = scheduler
         self._known: dict[int, object] = {id(can.Bus): open_bus, id(can.Notifier): Notifier}
-        for module, names in _own(baton).items():
+        for module, names in _own(scheduler).items():
             self._known[id(module)] = StandIn(module, names)
             self._known |= {id(getattr(module, name)): own for name, own in names.items()}
 
@@ -100,24 +115,24 @@ class StandIns:
             return own
         if is_a(value, ModuleType):
             refused = value.__name__ in REFUSED
-            return RefusedModule(value, self._baton) if refused else value
+            return RefusedModule(value, self._scheduler) if refused else value
         if _refusable(value) and (origin := _origin(value)):
-            return _refused(value, REFUSED[origin], self._baton)
+            return _refused(value, REFUSED[origin], self._scheduler)
         return value
 
 
-def _own(baton: Baton) -> dict[ModuleType, Mapping[str, object]]:
+def _own(scheduler: Scheduler) -> dict[ModuleType, Mapping[str, object]]:
     own = primitives
-    here = (own.Lock, own.RLock, own.Condition, own.Event, own.Semaphore)
-    more = (own.BoundedSemaphore, own.Thread, own.Timer)
-    kinds = (own.Queue, own.LifoQueue, own.PriorityQueue, own.SimpleQueue)
+    locks = (own.Lock, own.RLock, own.Condition, own.Event, own.Semaphore, own.BoundedSemaphore)
+    threads = (own.Thread, own.Timer)
+    queues = (own.Queue, own.LifoQueue, own.PriorityQueue, own.SimpleQueue)
     return {
         threading: {
-            **{kind.__name__: kind for kind in here + more},
-            "Barrier": _refused(threading.Barrier, "use threading.Condition", baton),
+            **{kind.__name__: kind for kind in locks + threads},
+            "Barrier": _refused(threading.Barrier, "use threading.Condition", scheduler),
         },
-        queue: {kind.__name__: kind for kind in kinds},
-        time: primitives.Wall(baton).functions(),
+        queue: {kind.__name__: kind for kind in queues},
+        time: primitives.WallClock(scheduler).functions(),
     }
 
 
@@ -138,23 +153,12 @@ def _refusable(value: object) -> bool:
     return is_a(value, FunctionType) or is_a(value, BuiltinFunctionType)
 
 
-def _refused(value: Any, advice: str, baton: Baton) -> Callable[..., NoReturn]:
+def _refused(value: Any, advice: str, scheduler: Scheduler) -> Callable[..., NoReturn]:
     def refuse(*_: object, **__: object) -> NoReturn:
         name = f"{value.__module__}.{value.__qualname__}"
-        raise baton.refusal(f"{name} cannot wait in simulated time: {advice}")
+        raise scheduler.refusal(f"{name} cannot wait in simulated time: {advice}")
 
     return refuse
-
-
-PYTHON_CAN = (
-    can,
-    can.broadcastmanager,
-    can.bus,
-    can.interface,
-    can.listener,
-    can.notifier,
-    can.thread_safe_bus,
-)
 
 
 class Substitution:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import fields
 from typing import Any
 
-from canopen.objectdictionary import ODVariable, datatypes
+from canopen.objectdictionary import ODVariable
 
 from canopen_twins import devices
 from canopen_twins.cli.commands.chosen import chosen
@@ -16,13 +16,7 @@ from canopen_twins.device.device import Device
 from canopen_twins.device.settings import about
 from canopen_twins.errors import UserError
 from canopen_twins.files.shipped import od_file, scenarios
-
-TYPES = {
-    number: name
-    for name, number in vars(datatypes).items()
-    if isinstance(number, int) and name.isupper()
-}
-
+from canopen_twins.slave.object import TYPES
 
 NAME = re.compile(r"^name: (.+)$", re.MULTILINE)
 
@@ -51,7 +45,7 @@ def objects(options: argparse.Namespace) -> int:
 def settings(options: argparse.Namespace) -> int:
     """Every setting with its default; A-numbers are explained in the device's page of the docs."""
     rows = [("setting", "default", "assumed", "meaning")]
-    for entry in fields(devices.find(options.device).settings_type):
+    for entry in fields(devices.find(options.device).settings):
         told = about(entry)
         unit = f" [{told.unit}]" if told.unit else ""
         within = f", {told.range}" if told.range else ""

@@ -10,13 +10,12 @@ from canopen.objectdictionary.datatypes import BOOLEAN, FLOAT_TYPES, INTEGER_TYP
 from canopen_twins import devices
 from canopen_twins.bench.bench import Bench
 from canopen_twins.bus.frame import Frame
-from canopen_twins.cli.commands.catalogue import TYPES
 from canopen_twins.cli.commands.chosen import chosen
 from canopen_twins.diagnosis.sections import sections
 from canopen_twins.errors import UserError
 from canopen_twins.files.convert import convert
 from canopen_twins.scenario.targets import Targets
-from canopen_twins.slave.object import Address, Entry
+from canopen_twins.slave.object import TYPES, Address, Entry
 
 LONGEST_BOOT, GRAIN = 60.0, 0.1  # seconds
 START = 0x01

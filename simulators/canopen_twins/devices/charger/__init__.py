@@ -7,10 +7,18 @@ from typing import cast
 from canopen import ObjectDictionary
 from canopen.objectdictionary import ODRecord, ODVariable
 
-from canopen_twins.device import device
-from canopen_twins.device.chart import Chart
-from canopen_twins.device.device import Message
-from canopen_twins.device.faults import Fault
+from canopen_twins.device import (
+    Address,
+    Chart,
+    Emcy,
+    Fault,
+    Message,
+    Object,
+    Rejected,
+    Service,
+    Slave,
+    device,
+)
 from canopen_twins.devices.charger import communication, messages
 from canopen_twins.devices.charger.chart import chart
 from canopen_twins.devices.charger.communication import CYCLE, HEARTBEAT, Network, Place
@@ -25,11 +33,7 @@ from canopen_twins.devices.charger.objects import Control, actual_values
 from canopen_twins.devices.charger.settings import Settings, build, detector, undisturbed
 from canopen_twins.devices.charger.storage import Storage
 from canopen_twins.slave.dictionary import dictionary
-from canopen_twins.slave.emcy import Emcy
 from canopen_twins.slave.lss import LssSlave
-from canopen_twins.slave.object import Address, Object, Rejected
-from canopen_twins.slave.service import Service
-from canopen_twins.slave.slave import Slave
 
 log = logging.getLogger(__name__)
 
@@ -43,20 +47,15 @@ class Device(device.Device):
 
     eds = "charger_pcsc.eds"
     title = "Eltex POWER CHARGER high-voltage generator (CANopen protocol description)"
-    settings_type = Settings
-    settings: Settings
+    settings = Settings()
     stored = (HEARTBEAT, CYCLE, LED_BAR)
     cycle = TICK
 
     def configure(self, **given: object) -> None:
-        """Change settings while the supply is off."""
-        super().configure(**given)
-        self.build = build(self.settings)
-        self.eds = file_name(self.build)
-        self.catalogue = messages.catalogue(self.settings.messages)
-        self.profile = communication.profile(self.settings)
+        """Change settings while the supply is off; what surrounds it is as delivered."""
         self.disturbances: dict[str, Callable[[Surroundings], Surroundings]] = {}
-        self.power_on()
+        super().configure(**given)
+        self.profile = communication.profile(self.settings)
 
     def check(self) -> None:
         """What no range of a single setting can say."""
@@ -128,7 +127,7 @@ class Device(device.Device):
     @property
     def chart(self) -> Chart:
         """Its outputs and the sparks, and the state of the release."""
-        return chart(self)
+        return chart(self.charger)
 
     def dictionary(self) -> ObjectDictionary:
         """The EDS of the type and variant, with the heartbeat as delivered (A-01)."""
@@ -145,8 +144,11 @@ class Device(device.Device):
         """LSS changes node id and bit timing."""
         yield LssSlave(slave, self.network)
 
-    def power_on(self) -> None:
+    def make_model(self) -> None:
         """Cold, with what the memory has kept."""
+        self.build = build(self.settings)
+        self.eds = file_name(self.build)
+        self.catalogue = messages.catalogue(self.settings.messages)
         entries = dictionary(self.eds, self.settings.node_id)[0x2002]
         self.storage = Storage(self.memory, cast(ODRecord, entries).subindices)
         self._factory = factory(self.build.kind)

@@ -4,15 +4,22 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from canopen_twins.bus.clock import Timer
+from canopen_twins.device import (
+    Abort,
+    Address,
+    Object,
+    Profile,
+    Rejected,
+    Rpdo,
+    Service,
+    Slave,
+    State,
+    Tpdo,
+)
 from canopen_twins.devices.charger.settings import Settings
 from canopen_twins.errors import UserError
 from canopen_twins.slave.lss import Stored
-from canopen_twins.slave.object import Abort, Address, Object, Rejected
-from canopen_twins.slave.profile import Profile
-from canopen_twins.slave.rpdo import Rpdo
-from canopen_twins.slave.service import NODE_IDS, Service, State
-from canopen_twins.slave.slave import Slave
-from canopen_twins.slave.tpdo import Tpdo
+from canopen_twins.slave.service import NODE_IDS
 
 HEARTBEAT = (0x1017, 0x00)
 HEARTBEAT_STEP = 100  # ms, and the shortest time

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
-from canopen_twins.device.faults import Fault, Parameter
+from canopen_twins.device import Fault, Parameter
 from canopen_twins.devices.charger import messages
 from canopen_twins.devices.charger.model.charger import Key
 from canopen_twins.devices.charger.model.load import OPEN, SHORT

@@ -5,15 +5,14 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
-from canopen_twins.device.device import EmcyMessage
+from canopen_twins.device import Emcy, EmcyMessage
 from canopen_twins.devices.charger.model.messages import Catalogue, Message, Severity
 from canopen_twins.errors import UserError, unknown
 from canopen_twins.files.document import Item, understand, values
 from canopen_twins.files.shipped import od_file
-from canopen_twins.slave.emcy import FIELD_LENGTH, NO_ERROR, Emcy
+from canopen_twins.slave.emcy import FIELD_LENGTH, NO_ERROR
 
 FORMAT = "charger_messages/1"
-SHIPPED = "charger_messages.yaml"
 GENERIC = 1 << 0  # of the error register, with every message
 CLASS_BIT: Mapping[int, int] = {0x2: 1 << 1, 0x3: 1 << 2, 0x4: 1 << 3}  # by the first digit, A-29
 COMMUNICATION, SPECIFIC = {0x81: 1 << 4}, {0xFF: 1 << 7}  # by the first two
@@ -31,10 +30,6 @@ def read_catalogue(path: Path) -> Catalogue:
 def _catalogue(file: Item) -> Catalogue:
     told = values(file, KEYS)
     return Catalogue([*told["errors"], *told["warnings"]])
-
-
-def _format(item: Item) -> str:
-    return item.one_of("format", [FORMAT])
 
 
 def _key(item: Item) -> str:
@@ -57,7 +52,7 @@ def _messages(rows: Item, severity: Severity) -> list[Message]:
 
 
 KEYS: Mapping[str, Callable[[Item], Any]] = {
-    "format": _format,
+    "format": lambda item: item.one_of("format", [FORMAT]),
     "assumed": lambda item: item.truth,
     "errors": partial(_messages, severity=Severity.ERROR),
     "warnings": partial(_messages, severity=Severity.WARNING),
@@ -83,7 +78,7 @@ def catalogue(file: str) -> Catalogue:
 
 @cache
 def _shipped() -> Catalogue:
-    with od_file(SHIPPED) as path:
+    with od_file("charger_messages.yaml") as path:
         return read_catalogue(path)
 
 

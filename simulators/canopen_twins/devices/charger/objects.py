@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 
+from canopen_twins.device import Abort, Address, Object, Rejected
 from canopen_twins.devices.charger.model.charger import Charger
 from canopen_twins.devices.charger.model.messages import Severity
 from canopen_twins.devices.charger.model.parameters import (
@@ -15,7 +16,6 @@ from canopen_twins.devices.charger.model.release import ReleaseSource, ReleaseSt
 from canopen_twins.devices.charger.model.sparks import Counter
 from canopen_twins.devices.charger.model.ticks import duration
 from canopen_twins.devices.charger.model.types import Quantity
-from canopen_twins.slave.object import Abort, Address, Object, Rejected
 
 REFUSALS = {Direction.LOW: Abort.TOO_LOW, Direction.HIGH: Abort.TOO_HIGH}
 LOCKED, RELEASED = 0x00, 0x0F  # 6200h:01h

@@ -6,7 +6,7 @@ An A-number marks an assumption (docs/devices/charger.md).
 from dataclasses import dataclass
 from typing import Literal
 
-from canopen_twins.device.settings import NodeSettings, setting
+from canopen_twins.device import NodeSettings, setting
 from canopen_twins.devices.charger.model.discharging import Bars
 from canopen_twins.devices.charger.model.load import Electrode, Resistor, Web
 from canopen_twins.devices.charger.model.sparks import Counting, Sparks, SparkValue

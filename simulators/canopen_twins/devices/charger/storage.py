@@ -7,10 +7,10 @@ from typing import Any
 
 from canopen.objectdictionary import ODVariable
 
+from canopen_twins.device import Memory
 from canopen_twins.devices.charger.communication import Place, fits
 from canopen_twins.devices.charger.model.parameters import LIMITS, Parameter
 from canopen_twins.devices.charger.model.ticks import Hours
-from canopen_twins.slave.memory import Memory
 
 log = logging.getLogger(__name__)
 

@@ -48,25 +48,24 @@ class Device(device.Device):
 
     eds = "gateway.eds"
     title = "Heinzmann digital governor behind a CANopen gateway (manual DG 04 005-e / 07-04)"
-    settings_type = Settings
-    settings: Settings
+    settings = Settings()
     profile = PROFILE
     cycle = GRID * MICROSECOND
     system: System
 
     def configure(self, **given: object) -> None:
         """Deliver both units with these settings."""
-        super().configure(**given)
         self.disturbance = Disturbance()
         self._load_step = 0.0
-        self._deliver()
+        super().configure(**given)
 
     def check(self) -> None:
         """What the files say, and whether the times fit."""
         delivery.system(self.settings)
         delivery.configuration(self.settings)
 
-    def _deliver(self) -> None:
+    def make_model(self) -> None:
+        """Both units as delivered, with what the memory has kept."""
         self.system = delivery.system(self.settings)
         delivered = delivery.configuration(self.settings)
         self.nonvolatile = NonVolatile(self.system, delivered, self.memory)
@@ -172,7 +171,6 @@ class Device(device.Device):
 
     def power_on(self) -> None:
         """Supply comes to both units; the engine stands (A-54)."""
-        self._deliver()
         self.system.power_on()
 
     def power_off(self) -> None:

@@ -6,10 +6,18 @@ from typing import cast
 from canopen import ObjectDictionary
 from canopen.objectdictionary import ODVariable
 
-from canopen_twins.device import device
-from canopen_twins.device.chart import Chart
-from canopen_twins.device.device import Message
-from canopen_twins.device.faults import Fault
+from canopen_twins.device import (
+    Abort,
+    Address,
+    Chart,
+    Emcy,
+    Fault,
+    Message,
+    Object,
+    Rejected,
+    State,
+    device,
+)
 from canopen_twins.devices.topcon import card, messages, units
 from canopen_twins.devices.topcon.card import CardErrors, Registers
 from canopen_twins.devices.topcon.chart import chart
@@ -19,9 +27,6 @@ from canopen_twins.devices.topcon.model.stage import OutputStage
 from canopen_twins.devices.topcon.model.states import Mode
 from canopen_twins.devices.topcon.panel import Panel
 from canopen_twins.devices.topcon.settings import Settings
-from canopen_twins.slave.emcy import Emcy
-from canopen_twins.slave.object import Abort, Address, Object, Rejected
-from canopen_twins.slave.service import State
 
 MODE_BIT = {Mode.OFF: 0, Mode.VOLTAGE: 1 << 1, Mode.CURRENT: 1 << 2, Mode.POWER: 1 << 3}  # Tab. 60
 SET_VALUES = range(0x2010, 0x2014)
@@ -34,18 +39,17 @@ class Device(device.Device):
 
     eds = "topcon.eds"
     title = "Regatron TopCon Quadro DC supply (TC.CANOPEN manual DO6130.0031 V02.62)"
-    settings_type = Settings
-    settings: Settings
+    settings = Settings()
     stored = STORED
     cycle = OutputStage.tick
 
     def configure(self, **given: object) -> None:
         """Change settings while the unit is off; its switches are read at power-on (4.2, 4.3)."""
         self._module_id: int | None = None
+        self._new = False
         super().configure(**given)
+        self._new = True
         self.profile = card.profile(self.settings)
-        self._make_unit()
-        self._fresh = True  # and serves at the next power-on
 
     def check(self) -> None:
         """What the settings are together, the unit type and the load among them."""
@@ -123,7 +127,7 @@ class Device(device.Device):
     @property
     def chart(self) -> Chart:
         """Voltage, current and power, and the state of the output stage."""
-        return chart(self)
+        return chart(self.stage)
 
     def dictionary(self) -> ObjectDictionary:
         """The EDS, with the range of set values the settings say."""
@@ -132,13 +136,14 @@ class Device(device.Device):
             cast(ODVariable, od[index]).max = self.settings.set_value_range
         return od
 
-    def power_on(self) -> None:
-        """The unit and its card start; switches are read now and not again."""
-        if not self._fresh:
-            self._make_unit()
-        self._fresh = False
+    def make_model(self) -> None:
+        """The unit and its card; what the settings have just made serves the next power-on as well.
 
-    def _make_unit(self) -> None:
+        Switches are read now and not again.
+        """
+        if self._new:
+            self._new = False
+            return
         settings = self.settings
         self._module_id = card.module_id(settings)
         self._bit_rate = card.bit_rate(settings.br)
@@ -179,6 +184,7 @@ class Device(device.Device):
 
     def set(self, **given: object) -> None:
         """Change what may change while the unit runs; the panel turns when it is named here."""
+        self._new = False
         super().set(**given)
         if "panel" in given:
             self.panel.want(self.settings.panel == "local")

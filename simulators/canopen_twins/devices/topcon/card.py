@@ -3,14 +3,12 @@
 import re
 from collections.abc import Mapping
 
+from canopen_twins.device import Abort, Address, Emcy, Object, Profile, Rejected
 from canopen_twins.devices.topcon.messages import card_errors
 from canopen_twins.devices.topcon.panel import Panel
 from canopen_twins.devices.topcon.settings import Settings
 from canopen_twins.errors import UserError
 from canopen_twins.slave.cob_id import NO_RTR
-from canopen_twins.slave.emcy import Emcy
-from canopen_twins.slave.object import Abort, Address, Object, Rejected
-from canopen_twins.slave.profile import Profile
 
 HIGHEST_ID = 127
 BIT_RATES: Mapping[int, int] = {

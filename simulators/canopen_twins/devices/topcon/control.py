@@ -3,12 +3,11 @@
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
+from canopen_twins.device import Abort, Address, Object, Rejected, State
 from canopen_twins.devices.topcon.model.stage import OutputStage
 from canopen_twins.devices.topcon.model.unit import UnitType
 from canopen_twins.devices.topcon.panel import Panel
 from canopen_twins.devices.topcon.settings import Settings
-from canopen_twins.slave.object import Abort, Address, Object, Rejected
-from canopen_twins.slave.service import State
 
 FULL_SCALE = 4000  # parts that make up a nominal value
 LOWEST, HIGHEST = -0x8000, 0x7FFF  # of signed 16 bit
@@ -25,9 +24,7 @@ class Quantity(NamedTuple):
         """As it goes over the wire: rounded half away from zero, clipped to signed 16 bit."""
         parts = FULL_SCALE * value / self.nominal
         rounded = int(parts + 0.5) if parts >= 0 else -int(0.5 - parts)
-        if LOWEST <= rounded <= HIGHEST:
-            return rounded
-        return HIGHEST if rounded > 0 else LOWEST
+        return max(LOWEST, min(HIGHEST, rounded))
 
     def value(self, parts: int) -> float:
         """As the model has it."""

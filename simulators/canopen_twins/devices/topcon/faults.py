@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING
 
-from canopen_twins.device.faults import Fault, Parameter
+from canopen_twins.device import Fault, Parameter
 from canopen_twins.devices.topcon.messages import card_error, unit_error
 from canopen_twins.devices.topcon.model.protections import RAILS
 from canopen_twins.devices.topcon.model.stage import OutputStage

@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from itertools import groupby
 
-from canopen_twins.device.device import EmcyMessage
+from canopen_twins.device import Emcy, EmcyMessage
 from canopen_twins.errors import UserError
-from canopen_twins.slave.emcy import Emcy, read_emcy_table
+from canopen_twins.slave.emcy import read_emcy_table
 
 UNIT_ERROR_00 = 0x6100  # with field 0 it is error number 00 of the unit
 PROTOCOL_ERROR = 0x8200  # Tab. 82: a parameter exceeds its limit

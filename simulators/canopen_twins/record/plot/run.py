@@ -108,9 +108,8 @@ class Strip:
         self.actual: Track[float | None] = Track(extremes)
         self.wanted: Track[float | None] | None = Track(extremes) if curve.wanted else None
 
-    def look(self, time: float, powered: bool) -> None:
-        """Without power there is nothing to be seen."""
-        curve = self.curve
+    def look(self, time: float, curve: Curve, powered: bool) -> None:
+        """As the curve is now; without power there is nothing to be seen."""
         self.actual.add(time, curve.actual() if powered else None)
         if self.wanted is not None and curve.wanted is not None:
             self.wanted.add(time, curve.wanted() if powered else None)
@@ -126,7 +125,6 @@ class View:
         self._decoder = Decoder([node])
         chart = node.device.chart
         self.strips = [Strip(curve) for curve in chart.curves]
-        self._state = chart.band
         self.nmt: Track[Band] = Track(worst)
         self.state: Track[Band] | None = Track(worst) if chart.band else None
         self.faults: dict[str, Track[bool]] = {}
@@ -139,11 +137,12 @@ class View:
     def look(self, time: float) -> None:
         """Take down how it is at this time, in seconds."""
         powered = self._node.powered
-        for strip in self.strips:
-            strip.look(time, powered)
+        chart = self._node.device.chart  # anew: a power-on may have made another model
+        for strip, curve in zip(self.strips, chart.curves, strict=True):
+            strip.look(time, curve, powered)
         self.nmt.add(time, NMT[self._node.state] if powered else POWER_OFF)
-        if self.state is not None and self._state is not None:
-            self.state.add(time, self._state() if powered else POWER_OFF)
+        if self.state is not None and chart.band is not None:
+            self.state.add(time, chart.band() if powered else POWER_OFF)
         self._look_at_faults(time)
 
     def _look_at_faults(self, time: float) -> None:

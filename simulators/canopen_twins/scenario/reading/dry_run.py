@@ -28,7 +28,7 @@ class DryRun:
 
     def set(self, given: Mapping[Item, Item]) -> dict[str, Any]:
         """Live settings; notes as a problem what the device does not take."""
-        known = [field.name for field in fields(self._device.settings_type)]
+        known = [field.name for field in fields(self._device.settings)]
         taken = {}
         for name, value in given.items():
             with name.problems.at(Pair(name, value).place(known)):

@@ -74,7 +74,7 @@ class Participants:
 
 
 def _names(kind: type[Device]) -> set[str]:
-    return {field.name for field in fields_of(kind.settings_type)}
+    return {field.name for field in fields_of(kind.settings)}
 
 
 def _settings(told: Mapping[Item, Item], kind: type[Device]) -> dict[str, Item]:

@@ -198,8 +198,7 @@ class Charger:
     def surround(self, **changes: Any) -> None:
         """Change the surroundings; the names are those of `Surroundings`."""
         self.surroundings = replace(self.surroundings, **changes)
-        closed = self.surroundings.hardware_release
-        (self.release.close if closed else self.release.open)()
+        self.release.contact(self.surroundings.hardware_release)
         if "storm" in changes:
             self.charging.expect(self.surroundings.storm)
         self._touched = True
@@ -280,7 +279,7 @@ class Charger:
 
     def _react(self) -> None:
         """An error that trips switches off and blocks until it is cleared (A-48)."""
-        (self.release.trip if self.messages.tripped else self.release.clear)()
+        self.release.block(self.messages.tripped)
 
     @property
     def _state(self) -> object:

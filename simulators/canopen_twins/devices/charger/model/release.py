@@ -90,23 +90,14 @@ class Release:
         if self.source not in enabled:
             self.reset()
 
-    def close(self) -> None:
-        """The hardware release is there."""
-        self.closed = True
-        self._handle(ReleaseEvent.CLOSED)
+    def contact(self, closed: bool) -> None:
+        """The hardware release; without it the software release stays (A-47)."""
+        self.closed = closed
+        self._handle(ReleaseEvent.CLOSED if closed else ReleaseEvent.OPENED)
 
-    def open(self) -> None:
-        """The hardware release is gone; the software release stays (A-47)."""
-        self.closed = False
-        self._handle(ReleaseEvent.OPENED)
-
-    def trip(self) -> None:
-        """An error blocks everything (A-48)."""
-        self._handle(ReleaseEvent.TRIPPED)
-
-    def clear(self) -> None:
-        """No error is left that blocks."""
-        self._handle(ReleaseEvent.CLEARED)
+    def block(self, tripped: bool) -> None:
+        """An error blocks everything until none is left that does (A-48)."""
+        self._handle(ReleaseEvent.TRIPPED if tripped else ReleaseEvent.CLEARED)
 
     def restart(self) -> None:
         """As after switching on: neither released nor in FAULT."""

@@ -1,4 +1,4 @@
-"""A twin on a python-can bus in a thread of its own: what a test in real time holds in its hand."""
+"""A twin in real time on a python-can bus, in a thread of its own."""
 
 from collections import deque
 from collections.abc import Callable, Mapping
@@ -11,9 +11,9 @@ from typing import Any
 import can
 
 from canopen_twins import devices
+from canopen_twins.bench.twin import ORDERS, Twin
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Record, Segment
-from canopen_twins.device.device import Device
 from canopen_twins.device.node import Node
 from canopen_twins.diagnosis.report import SHOWN, scene
 from canopen_twins.faults import connect
@@ -22,12 +22,12 @@ from canopen_twins.live.serve import serve
 PATIENCE = 10.0  # seconds for the thread to do what it is asked
 
 
-class Served(AbstractContextManager["Served"]):
-    """Everything the twin does happens in its thread, also what a test asks it to do."""
+class LiveTwin(Twin, AbstractContextManager["LiveTwin"]):
+    """Everything the twin does happens in its thread between two frames, orders as well."""
 
     def __init__(self, device: str, settings: Mapping[str, object], bus: Mapping[str, Any]) -> None:
         self.bus = dict(bus)
-        """What to open to be on the same bus: `can.Bus(**served.bus)`."""
+        """What to open to be on the same bus: `can.Bus(**twin.bus)`."""
         self._segment: Segment[Node] = Segment()
         self._node: Node = connect(self._segment, devices.create(device, **settings), device)
         self._segment.listeners.append(self._record)
@@ -37,12 +37,7 @@ class Served(AbstractContextManager["Served"]):
         self._bug: BaseException | None = None
         self._thread = Thread(target=self._run, name=f"twin {device}")
 
-    @property
-    def node_id(self) -> int:
-        """The node id in force."""
-        return self._node.node_id
-
-    def __enter__(self) -> "Served":
+    def __enter__(self) -> "LiveTwin":
         self._thread.start()
         if not self._ready.wait(PATIENCE) or self._bug is not None:
             self._end()
@@ -56,55 +51,35 @@ class Served(AbstractContextManager["Served"]):
     ) -> None:
         self._end()
 
-    def inject(self, name: str, **parameters: object) -> None:
-        """Let something go wrong; `UserError` for an unknown fault or parameter."""
-        self._act(lambda _: self._node.faults.inject(name, **parameters))
+    def order(self, word: str, *arguments: Any) -> Any:
+        """By the thread of the twin.
 
-    def clear(self, name: str | None = None) -> None:
-        """Take one fault away, or all of them."""
-        self._act(lambda _: self._node.faults.clear(name))
-
-    def set(self, **settings: object) -> None:
-        """Change live settings of the device, such as its load."""
-        self._act(lambda device: device.set(**settings))
-
-    def power_off(self) -> None:
-        """Switch the supply off."""
-        self._order(self._node.power_off)
-
-    def power_on(self) -> None:
-        """Switch the supply on."""
-        self._order(self._node.power_on)
-
-    def report(self) -> str:
-        """The last frames in words, how the device is, and why it answered as it did."""
-        return scene(list(self._records), [self._node])
-
-    def _act(self, action: Callable[[Device], None]) -> None:
-        def act() -> None:
-            with self._node.acting() as device:
-                action(device)
-
-        self._order(act)
-
-    def _order(self, action: Callable[[], None]) -> None:
-        """Have something done by the twin's thread, and wait for it."""
-        done: SimpleQueue[BaseException | None] = SimpleQueue()
+        Raises:
+            UserError: as the order does.
+            RuntimeError: the thread has stopped.
+        """
+        done: SimpleQueue[tuple[Any, Exception | None]] = SimpleQueue()
 
         def carry_out() -> None:
             try:
-                action()
+                outcome = ORDERS[word](self._node, *arguments)
                 self._segment.deliver()
             except Exception as refusal:
-                done.put(refusal)
+                done.put((None, refusal))
             else:
-                done.put(None)
+                done.put((outcome, None))
 
         if not self._thread.is_alive():
             raise RuntimeError(f"{self._thread.name} has stopped") from self._bug
         self._orders.put(carry_out)
-        if (refusal := done.get(timeout=PATIENCE)) is not None:
+        outcome, refusal = done.get(timeout=PATIENCE)
+        if refusal is not None:
             raise refusal
+        return outcome
+
+    def scene(self) -> str:
+        """The last frames in words, how the device is, and why it answered as it did."""
+        return scene(list(self._records), [self._node])
 
     def _run(self) -> None:
         try:

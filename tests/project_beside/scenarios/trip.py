@@ -1,0 +1,3 @@
+"""A scenario of the project's own, in Python."""
+
+SPEEDS = (0, 1500, 3000)

@@ -1,0 +1,1 @@
+"""The project's own simulators, which are none of canopen-twins."""
