@@ -5,9 +5,9 @@ import pytest
 
 from canopen_twins import devices
 from canopen_twins.scenario import load
-from library import report
-from library.proofs import proofs, prove, shipped
-from library.rows import Row, faults, faults_of_all, messages, stories
+from tools import report
+from tools.proofs import proofs, prove, shipped
+from tools.rows import Row, faults, faults_of_all, messages, stories
 
 pytestmark = pytest.mark.timeout(300)  # whoever comes first plays all scenarios
 
@@ -38,7 +38,7 @@ def proven(rows, proof):
 
 def test_the_page_is_what_playing_the_scenarios_gives():
     assert report.PAGE.read_text("utf-8") == report.page(report.sections()), (
-        "python -m library.report writes it"
+        "python -m tools.report writes it"
     )
 
 

@@ -3,6 +3,7 @@
 import csv
 from collections.abc import Callable, Iterator
 from functools import partial
+from pathlib import Path
 from typing import NamedTuple
 
 from canopen_twins import devices
@@ -10,10 +11,10 @@ from canopen_twins.bus.segment import Segment
 from canopen_twins.device.device import BitMessage, EmcyMessage, Message
 from canopen_twins.device.faults import Fault
 from canopen_twins.faults import connect
-from canopen_twins.files.shipped import od_file
 from canopen_twins.scenario.matchers import Range
-from library.proofs import Fact, Injected, Proof, Told, Value, shipped
+from tools.proofs import Fact, Injected, Proof, Told, Value, shipped
 
+FOLDER = Path(__file__).parent
 OF_DEVICE = "device"
 
 
@@ -26,14 +27,11 @@ class Row(NamedTuple):
 
 
 def stories(device: str) -> Iterator[Row]:
-    """The statements of od/DEVICE_stories.csv, which a scenario says it is about."""
-    with od_file(f"{device}_stories.csv") as path:
-        if not path.exists():
-            return
-        with path.open(newline="", encoding="ascii") as file:
-            for row in csv.DictReader(file):
-                text = f"{row['story']} [{row['section']}]"
-                yield Row(row["statement"], text, partial(_covers, row["statement"]))
+    """The statements of DEVICE_stories.csv, which a scenario says it is about."""
+    with (FOLDER / f"{device}_stories.csv").open(newline="", encoding="ascii") as file:
+        for row in csv.DictReader(file):
+            text = f"{row['story']} [{row['section']}]"
+            yield Row(row["statement"], text, partial(_covers, row["statement"]))
 
 
 def messages(device: str) -> Iterator[Row]:

@@ -1,6 +1,6 @@
 """The EDS files of the charger, written from the table of its objects: one per type and variant.
 
-`python -m canopen_twins.devices.charger.eds` in a checkout brings the files of od/ up to date.
+`python -m tools.charger_eds` brings the files of od/ up to date.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -8,9 +8,9 @@ from itertools import groupby
 from pathlib import Path
 
 from canopen_twins.devices.charger.model.types import TYPES, Build, Type, Variant
-from canopen_twins.devices.charger.object_table import TABLE, Row, file_name, filled, rows_of
-from canopen_twins.files.shipped import od_file
+from canopen_twins.devices.charger.object_table import Row, file_name, filled, rows_of
 
+OD = Path(__file__).parent.parent / "od"
 OBJECT_TYPES = {"VAR": 0x7, "ARRAY": 0x8, "RECORD": 0x9}
 DATA_TYPES = {
     "INTEGER16": 0x0003,
@@ -154,5 +154,4 @@ def write_all(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    with od_file(TABLE) as table_path:
-        write_all(table_path.parent)
+    write_all(OD)

@@ -1,16 +1,16 @@
-"""Plays the scenarios and writes docs/coverage.md: `python -m library.report`."""
+"""Plays the scenarios and writes docs/coverage.md: `python -m tools.report`."""
 
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from library.proofs import Proof, proofs, shipped
-from library.rows import Row, faults, faults_of_all, messages, stories
+from tools.proofs import Proof, proofs, shipped
+from tools.rows import Row, faults, faults_of_all, messages, stories
 
 PAGE = Path(__file__).parent.parent / "docs" / "coverage.md"
 HEAD = """# What the scenarios prove
 
-Written by `python -m library.report`, which plays every scenario that is shipped. A message
+Written by `python -m tools.report`, which plays every scenario that is shipped. A message
 counts for a scenario that expects it, by its fields or by the value of its object, and gets it (a
 bit has to go again, too); a fault for one that lets it happen and gets something that it expects
 after that; a story for one that names its statement under `covers` and passes. A test keeps this
