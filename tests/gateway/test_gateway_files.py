@@ -1,9 +1,8 @@
 import pytest
 import yaml
 
-from canopen_twins.devices.gateway.model.assignment import ENGINE_STATES, assignment
-from canopen_twins.devices.gateway.model.parameters import Unit, catalogue
-from canopen_twins.devices.gateway.model.scaling import scaling
+from canopen_twins.devices.gateway.model.errors import ENGINE_STATES, assignment
+from canopen_twins.devices.gateway.model.parameters import Unit, catalogue, scaling
 from canopen_twins.files.shipped import od_file
 
 ROW = {

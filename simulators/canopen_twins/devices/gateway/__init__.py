@@ -10,23 +10,15 @@ from canopen_twins.device.device import Message
 from canopen_twins.device.faults import Fault
 from canopen_twins.devices.gateway import delivery
 from canopen_twins.devices.gateway.chart import chart
-from canopen_twins.devices.gateway.dcdesk import DcDesk
+from canopen_twins.devices.gateway.dcdesk import DcDesk, NonVolatile
 from canopen_twins.devices.gateway.faults import faults
-from canopen_twins.devices.gateway.messages import MESSAGES, emergencies
+from canopen_twins.devices.gateway.messages import MESSAGES, emergencies, report, silence
+from canopen_twins.devices.gateway.model.configuration import OWN_NODE, PARTNER_NODE
+from canopen_twins.devices.gateway.model.parameters import Store
 from canopen_twins.devices.gateway.model.state import MasterCommand
-from canopen_twins.devices.gateway.model.store import Store
 from canopen_twins.devices.gateway.model.system import System
 from canopen_twins.devices.gateway.model.timing import GRID
-from canopen_twins.devices.gateway.nonvolatile import NonVolatile
-from canopen_twins.devices.gateway.object_dictionary import (
-    OWN_NODE,
-    PARTNER,
-    PROFILE,
-    fill,
-    identify,
-    measured,
-)
-from canopen_twins.devices.gateway.report import report, silence
+from canopen_twins.devices.gateway.object_dictionary import PROFILE, fill, identify, objects
 from canopen_twins.devices.gateway.settings import Settings
 from canopen_twins.devices.gateway.traffic import STATES, Disturbance, Traffic
 from canopen_twins.slave.emcy import Emcy
@@ -131,7 +123,7 @@ class Device(device.Device):
         system = self.system
         shown = self.settings.error_register == "bits"
         register = Object(read=lambda: system.error_register if shown else 0)
-        return {(0x1001, 0): register, **measured(system)}
+        return {(0x1001, 0): register, **objects(system)}
 
     @property
     def emergencies(self) -> Sequence[Emcy]:
@@ -168,7 +160,9 @@ class Device(device.Device):
 
     def pdos(self, slave: Slave) -> Iterable[Service]:
         """What is sent and when is the governor's business (4); it comes with all traffic."""
-        yield Traffic(slave, self.system, self._parameters[PARTNER], self.disturbance)
+        traffic = Traffic(slave, self.system, self._parameters[PARTNER_NODE], self.disturbance)
+        traffic.begin()
+        yield traffic
 
     def power_on(self) -> None:
         """Supply comes to both units; the engine stands (A-54)."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from canopen_twins.device.chart import Band, Chart, Curve, Mood
-from canopen_twins.devices.gateway.model.engine_control import Mode
+from canopen_twins.devices.gateway.model.engine import Mode
 
 if TYPE_CHECKING:
     from canopen_twins.devices.gateway import Device

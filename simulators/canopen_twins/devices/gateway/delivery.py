@@ -7,13 +7,18 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
-from canopen_twins.devices.gateway.model.assignment import Assignment, assignment
 from canopen_twins.devices.gateway.model.canopen_side import FirstTpdo
-from canopen_twins.devices.gateway.model.machines import Tables
-from canopen_twins.devices.gateway.model.options import Options
-from canopen_twins.devices.gateway.model.parameters import Catalogue, Unit, catalogue
-from canopen_twins.devices.gateway.model.scaling import Scaling, scaling
+from canopen_twins.devices.gateway.model.configuration import OWN_NODE
+from canopen_twins.devices.gateway.model.errors import Assignment, assignment
+from canopen_twins.devices.gateway.model.parameters import (
+    Catalogue,
+    Scaling,
+    Unit,
+    catalogue,
+    scaling,
+)
 from canopen_twins.devices.gateway.model.system import System
+from canopen_twins.devices.gateway.model.unit import Options, Tables
 from canopen_twins.devices.gateway.settings import Settings
 from canopen_twins.errors import UserError
 from canopen_twins.files.document import Item, Pair, understand, values
@@ -70,7 +75,6 @@ def _value(pair: Pair, unit: Unit, known: Catalogue) -> tuple[int, float]:
 
 
 LARGEST_FILE = 1 << 20  # bytes
-OWN_NODE = 427
 
 Content = Mapping[str, Mapping[int, float]]
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from functools import partial
 
 from canopen_twins.bus.frame import Frame
-from canopen_twins.devices.gateway.model.canopen_side import BootUp, Heartbeat, Message, TpdoFrame
-from canopen_twins.devices.gateway.model.state import State as GatewayState
+from canopen_twins.devices.gateway.model.canopen_side import BootUp, Heartbeat, Sent, TpdoFrame
+from canopen_twins.devices.gateway.model.state import GatewayState
 from canopen_twins.devices.gateway.model.system import System
 from canopen_twins.slave.heartbeat import STATE_BYTE
 from canopen_twins.slave.service import NODE_IDS, Listening, Service, State
@@ -44,8 +44,11 @@ class Traffic(Service):
         known = system.dictionary
         self._rpdos = {n: pdo.identifier for n, pdo in known.rpdos.items()} if known else {}
         self._tpdos = {n: pdo.identifier for n, pdo in known.tpdos.items()} if known else {}
-        system.outbox.clear()  # the boot-up message is that of the NMT slave
-        slave.wire.shut = not system.listening
+
+    def begin(self) -> None:
+        """The slave boots: what the model has sent so far, its own boot-up message has told."""
+        self._system.outbox.clear()
+        self.publish()
 
     @property
     def eventful(self) -> bool:
@@ -61,14 +64,14 @@ class Traffic(Service):
 
     def publish(self) -> None:
         """Send what the model has sent, if it gets out."""
-        system, outbox = self._system, self._system.outbox
-        self.slave.wire.shut = not system.listening
+        outbox = self._system.outbox
+        self.slave.wire.shut = not self._system.listening
         if outbox:
             for message in outbox:
                 self.slave.wire.put(self._frame(message))
             outbox.clear()
 
-    def _frame(self, message: Message) -> Frame:
+    def _frame(self, message: Sent) -> Frame:
         heartbeats = 0x700 + self.slave.node_id
         match message:
             case TpdoFrame(number, words):

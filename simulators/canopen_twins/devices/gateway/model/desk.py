@@ -3,10 +3,49 @@
 from collections.abc import Mapping
 from typing import Any
 
-from canopen_twins.devices.gateway.model import bootloader
-from canopen_twins.devices.gateway.model.measurements import measured
+from canopen_twins.devices.gateway.model.bootloader import FROM_BOOTLOADER, Eeprom
+from canopen_twins.devices.gateway.model.errors import COUNTERS, FIRST, MOST
 from canopen_twins.devices.gateway.model.parameters import Catalogue, Parameter
 from canopen_twins.devices.gateway.model.unit import ControlUnit, Life
+
+ERRORS = range(FIRST, FIRST + 95)
+BOOTLOADER_EXCEPTION = range(3095, 3099)
+EEPROM_CODE = 3099
+COUNTS = range(FIRST + COUNTERS, FIRST + COUNTERS + 95)
+EXCEPTION = range(3195, 3199)
+BOOTLOADER_TEST = range(3800, 3804)
+SERIAL = (3844, 3845)
+STORED = frozenset(
+    (*ERRORS, *BOOTLOADER_EXCEPTION, EEPROM_CODE, *COUNTS, *EXCEPTION, *BOOTLOADER_TEST, *SERIAL)
+)
+
+
+def measured(unit: ControlUnit[Any], number: int) -> float:
+    """The present value of a measurement, in its unit; a number the unit has is presumed."""
+    if number in unit.live:
+        return unit.live[number]()
+    if number not in STORED:
+        return unit.shown[number]
+    if number in ERRORS and unit.life is not Life.BOOTLOADER:
+        return int(unit.memory.has(number))
+    if number in ERRORS or number in BOOTLOADER_EXCEPTION or number in BOOTLOADER_TEST:
+        return unit.bootloader.shows(number)
+    if number in COUNTS:
+        return unit.memory.counts.get(number - COUNTERS, 0)
+    return _kept(unit, number)
+
+
+def _kept(unit: ControlUnit[Any], number: int) -> float:
+    """What is read from the EEPROM, or just shown."""
+    damaged = unit.bootloader.damaged
+    if number == EEPROM_CODE:
+        return unit.bootloader.eeprom_code
+    if number in EXCEPTION:
+        return 0 if damaged(Eeprom.EXCEPTION) else unit.exception[number - EXCEPTION.start]
+    if number in SERIAL and damaged(Eeprom.SERIAL_NUMBER):
+        return 0
+    return unit.shown[number]
+
 
 IDENTIFIER, LAST_IDENTIFIER = 3850, 3851
 PC_HIGH, PC_LOW = 2424, 2425
@@ -121,5 +160,39 @@ class Desk:
         in_bootloader = unit.life is Life.BOOTLOADER and not unit.bootloader.silent
         if unit.life is Life.RUNNING:
             return
-        if not (in_bootloader and parameter.number in bootloader.PARAMETERS):
+        if not (in_bootloader and parameter.number in FROM_BOOTLOADER):
             raise ValueError(f"{parameter.title}: no answer, the unit is {unit.life.value}")
+
+    @property
+    def kept(self) -> dict[str, Any]:
+        """What the unit keeps without power, as values for a file: parameters, counters, exception.
+
+        The last identification as well (8.3).
+        """
+        unit = self._unit
+        counts = unit.memory.counts
+        return {
+            "parameters": {str(number): value for number, value in unit.store.saved.items()},
+            "errors": {str(number + COUNTERS): counts[number] for number in sorted(counts)},
+            "exception": list(unit.exception),
+            "last identifier": unit.shown[LAST_IDENTIFIER],
+        }
+
+    def restore(self, values: Mapping[str, Any]) -> None:
+        """Begin with what was kept; what is not given stays as it is.
+
+        Raises:
+            ValueError: something in it is not what this unit keeps.
+        """
+        unit = self._unit
+        try:
+            self.deliver(
+                self.checked({int(n): each for n, each in values.get("parameters", {}).items()})
+            )
+            for number, count in values.get("errors", {}).items():
+                unit.memory.counts[int(number) - COUNTERS] = min(max(0, int(count)), MOST)
+            first, second, third, fourth = values.get("exception", unit.exception)
+            unit.exception = (int(first), int(second), int(third), int(fourth))
+            self.show(LAST_IDENTIFIER, values.get("last identifier", 0))
+        except (AttributeError, TypeError) as reason:
+            raise ValueError(f"{unit.which.value}: not what was kept: {reason}") from None

@@ -1,10 +1,16 @@
 """CANopen sensors and switch functions in the governor, and their monitoring (9.6, 9.7)."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from canopen_twins.devices.gateway.model import errors
-from canopen_twins.devices.gateway.model.configuration import Sensor, SwitchFunction
+from canopen_twins.devices.gateway.model.configuration import (
+    SENSORS,
+    Sensor,
+    monitoring,
+    sensors,
+    switch_functions,
+)
+from canopen_twins.devices.gateway.model.parameters import Store
 
 SWITCHES, FLAGS = 1, 3  # words of RPDO1 (4.2.1)
 
@@ -41,17 +47,14 @@ class Rpdo:
 class Inputs:
     """Values of sensors and switch functions; those of a faulty one do not count."""
 
-    def __init__(
-        self,
-        sensors: Sequence[Sensor],
-        functions: Sequence[SwitchFunction],
-        limits: Sequence[int],
-    ) -> None:
-        self.sensors = {sensor.number: sensor for sensor in sensors}
+    def __init__(self, settings: Store, cycle: int) -> None:
+        self.sensors = {sensor.number: sensor for sensor in sensors(settings)}
         self._errors = [
-            (each, errors.bit(errors.FIRST_SENSOR + each.number - 900)) for each in sensors
+            (sensor, errors.bit(errors.FIRST_SENSOR + number - SENSORS.start))
+            for number, sensor in self.sensors.items()
         ]
-        self.functions = {function.number: function for function in functions}
+        self.functions = {each.number: each for each in switch_functions(settings)}
+        limits = monitoring(settings, cycle)
         self.rpdos = {number: Rpdo(limit) for number, limit in enumerate(limits, start=1)}
         self.usable = False
         """Operational, and the partner's heartbeat is not missed."""

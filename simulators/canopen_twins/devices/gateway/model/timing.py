@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 GRID = 125  # us: 15.625 ms and 16 ms have no greater divisor
 MILLISECOND = 1000  # us
+GATEWAY_CYCLE = 16 * MILLISECOND  # us, main cycle (7.2.3)
 NEVER = 1 << 62  # us: when something is due that is not to come
 MOST_CYCLES = 255  # 4.1.2, of the governor
 MOST_HEARTBEAT_CYCLES = 4095  # 7.2.3
