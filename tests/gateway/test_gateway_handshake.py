@@ -1,7 +1,7 @@
 import pytest
 
 from canopen_twins.devices.gateway.model.canopen_side import BootUp
-from canopen_twins.devices.gateway.model.configuration import BinaryPart, Refusal
+from canopen_twins.devices.gateway.model.configuration import ActivePdo, Refusal
 from canopen_twins.devices.gateway.model.errors import CanopenError
 from canopen_twins.devices.gateway.model.handshake import NEXT, UNDERWAY, Handshake, Phase, Progress
 from canopen_twins.devices.gateway.model.heinzmann_can import (
@@ -143,7 +143,7 @@ def test_init_data_of_another_session_do_not_spoil_this_one(plain):
     rig.system.power_on()
     rig.run(0.21675)
     assert rig.system.state is GatewayState.INIT
-    rig.governor.programme.can.send(InitData(99, BinaryPart(errors=True, status=True)))
+    rig.governor.programme.can.send(InitData(99, (ActivePdo(True, 1, ()),)))
     assert [message for _, message in rig.run(0.01)] == [BootUp()]
 
 

@@ -14,10 +14,11 @@ from canopen_twins.devices.gateway.model.configuration import (
 )
 from canopen_twins.devices.gateway.model.errors import Assignment
 from canopen_twins.devices.gateway.model.parameters import Store
-from canopen_twins.devices.gateway.model.state import COMMUNICATING, GatewayState, Machine, Trigger
+from canopen_twins.devices.gateway.model.state import COMMUNICATING, NEXT, GatewayState, Trigger
 from canopen_twins.devices.gateway.model.timing import (
     GATEWAY_CYCLE,
     MOST_HEARTBEAT_CYCLES,
+    Watch,
     cycles,
 )
 
@@ -145,33 +146,6 @@ class CanopenBus:
             self.failed, self._age = self.plug.fault, 0
 
 
-@dataclass
-class Consumer:
-    """Watches the partner in Operational."""
-
-    limit: int
-    """Main cycles after which the partner is missed; 0: it is not watched (428, 430)."""
-    always_armed: bool = False
-    """Whether it is missed even before its first heartbeat in Operational (A-19)."""
-    tripped: bool = False
-    _armed: bool = False
-    _age: int = 0
-
-    def begin(self) -> None:
-        """Operational was entered."""
-        self.tripped, self._armed, self._age = False, self.always_armed, 0
-
-    def receive(self) -> None:
-        """A heartbeat came; a trip is over."""
-        self.tripped, self._armed, self._age = False, True, 0
-
-    def step(self, state: GatewayState) -> None:
-        """One main cycle without a heartbeat."""
-        if state is GatewayState.OPERATIONAL and self._armed:
-            self._age += 1
-            self.tripped = self.tripped or 0 < self.limit < self._age
-
-
 class CanopenSide:
     """Which service works is decided by the state machine and by the health of the bus."""
 
@@ -187,38 +161,36 @@ class CanopenSide:
         self.bus = CanopenBus(plug)
         self.outputs: Outputs | None = None
         """The values of the object dictionary, while there is one."""
-        self._machine = Machine()
+        self.state = GatewayState.UNDEFINED
+        """Of the state machine (3)."""
         self._assignment, self._first = assignment, first
         self._digital = (0, 0)  # errors and engine state, told even before there is a dictionary
         self._beats = bool(settings[HEARTBEAT_PERIOD])
         limit = cycles(settings[HEARTBEAT_LIMIT], GATEWAY_CYCLE, MOST_HEARTBEAT_CYCLES)
-        self.consumer = Consumer(limit if settings[PARTNER_NODE] else 0, always_armed)
-
-    @property
-    def state(self) -> GatewayState:
-        """Of the state machine (3)."""
-        return self._machine.state
+        self.partner = Watch(limit if settings[PARTNER_NODE] else 0)
+        """In Operational; without a first heartbeat it is not missed, or at once (A-19)."""
+        self._always_armed = always_armed
 
     @property
     def listening(self) -> bool:
         """Whether NMT is heard; the other services depend on the state."""
-        return self._machine.state in COMMUNICATING and self.bus.alive
+        return self.state in COMMUNICATING and self.bus.alive
 
     @property
     def operational(self) -> bool:
         """Whether PDOs are exchanged."""
-        return self._machine.state is GatewayState.OPERATIONAL and self.bus.alive
+        return self.state is GatewayState.OPERATIONAL and self.bus.alive
 
     def handle(self, trigger: Trigger) -> None:
         """Go where the trigger leads; Undefined and Init end the object dictionary."""
         before = self.state
-        self._machine.handle(trigger)
+        self.state = NEXT[before].get(trigger, before)
         if self.state is before:
             return
         if self.state not in COMMUNICATING:
             self.outputs = None
         if self.state is GatewayState.OPERATIONAL:
-            self.consumer.begin()
+            self.partner.begin()
             if self.outputs is not None:
                 self.outputs.begin()
 
@@ -233,7 +205,8 @@ class CanopenSide:
 
     def step(self) -> None:
         """One main cycle: the partner's heartbeat, and the health of the bus."""
-        self.consumer.step(self.state)
+        if self.state is GatewayState.OPERATIONAL and (self._always_armed or self.partner.arrived):
+            self.partner.step()
         failed = self.bus.failed
         self.bus.step()
         if failed and not self.bus.failed and self.state in COMMUNICATING:  # A-10
@@ -242,7 +215,7 @@ class CanopenSide:
     def partner_heartbeat(self) -> None:
         """A heartbeat of the watched partner, its boot-up included (A-19)."""
         if self.bus.alive:
-            self.consumer.receive()
+            self.partner.receive()
 
     def mapped(self, rpdo: int) -> tuple[Entry, ...]:
         """The entries of an RPDO 1..4 that is taken; none if it is not active, or nothing is."""

@@ -1,6 +1,6 @@
 """PDOs: what the governor's parameters want, and what the gateway makes of that (7.1, 7.3)."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
@@ -22,43 +22,40 @@ TPDO_IDENTIFIER = 16404  # of TPDO5
 
 WORDS = 4  # of a PDO
 RPDOS, PREDEFINED_TPDOS, ANALOGUE_TPDOS = range(1, 5), range(1, 5), range(4, 17)
-STATUS_WORDS = {1: range(1, 5), 2: range(5, 7), 3: range(7, 8)}  # 2000h in TPDO1 to 3 (4.1.1)
 DUMMY = 0x0006  # UNSIGNED16, for a word of an RPDO that nobody uses (A-16)
 DIGITAL_OUTPUT, UNSIGNED_OUTPUT, SIGNED_OUTPUT, DIGITAL_INPUT, ANALOG_INPUT = range(0x2000, 0x2005)
 
 
-class Slot(NamedTuple):
-    """One word of an analogue TPDO: its place among the four assignments, and its sign."""
-
-    word: int  # 1..4
-    signed: bool
-
-
 @dataclass(frozen=True)
-class BinaryPart:
-    """Init telegram: which binary TPDOs are wanted (14401, 14402)."""
+class Entry:
+    """One mapped word."""
 
-    errors: bool
-    status: bool
+    index: int
+    sub: int
+
+    @property
+    def mapping(self) -> int:
+        """As it stands in 16xxh and 1Axxh."""
+        return self.index << 16 | self.sub << 8 | 16
 
 
-@dataclass(frozen=True)
-class TpdoPart:
-    """Init telegram: one active analogue TPDO, 4..16."""
+BINARY_TPDOS = {  # 4.1.1
+    number: tuple(Entry(DIGITAL_OUTPUT, sub) for sub in subs)
+    for number, subs in {1: range(1, 5), 2: range(5, 7), 3: range(7, 8)}.items()
+}
 
+
+class ActivePdo(NamedTuple):
+    """What an init telegram tells of a PDO: that it is active, and the words in it."""
+
+    sent: bool
+    """Whether it is a TPDO, 1..16; else an RPDO, 1..4."""
     number: int
-    slots: tuple[Slot, ...]
+    entries: tuple[Entry, ...]
 
 
-@dataclass(frozen=True)
-class RpdoPart:
-    """Init telegram: one active RPDO, 1..4, and which of its words 1..4 are used."""
-
-    number: int
-    words: tuple[int, ...]
-
-
-InitPart = BinaryPart | TpdoPart | RpdoPart
+InitPart = tuple[ActivePdo, ...]
+"""One init telegram: the binary TPDOs together, of the others one each."""
 
 
 class Tpdo(NamedTuple):
@@ -130,7 +127,7 @@ def _used(settings: Store, numbers: Sequence[int]) -> list[int]:
 
 def monitoring(settings: Store, cycle: int) -> list[int]:
     """Main cycles after which each of the four RPDOs is missed; 0: it is not (7.1.5, A-37)."""
-    active = [part.number for part in _rpdo_parts(settings)]
+    active = _rpdo_words(settings)
     return [
         cycles(settings[RPDO_CYCLE + rpdo - 1], cycle, MOST_CYCLES) if rpdo in active else 0
         for rpdo in RPDOS
@@ -139,37 +136,39 @@ def monitoring(settings: Store, cycle: int) -> list[int]:
 
 def init_parts(settings: Store, scaling: Scaling, cycle: int) -> list[InitPart]:
     """The configuration as the init telegrams carry it: only active PDOs are in it (7.3)."""
-    binary = BinaryPart(bool(settings[SEND_ERRORS]), bool(settings[SEND_STATUS]))
-    analogue = [_tpdo_part(tpdo, scaling) for tpdo in tpdos(settings, scaling, cycle)]
-    return [binary, *analogue, *_rpdo_parts(settings)]
+    wanted = [1, 2] * bool(settings[SEND_ERRORS]) + [3] * bool(settings[SEND_STATUS])
+    binary = tuple(ActivePdo(True, number, BINARY_TPDOS[number]) for number in wanted)
+    analogue = (
+        ActivePdo(True, tpdo.number, tuple(_output(tpdo, word, scaling) for word in tpdo.sources))
+        for tpdo in tpdos(settings, scaling, cycle)
+    )
+    received = (
+        ActivePdo(False, rpdo, tuple(_input(rpdo, word, used) for word in range(1, max(used) + 1)))
+        for rpdo, used in _rpdo_words(settings).items()
+    )
+    return [binary, *((pdo,) for pdo in (*analogue, *received))]
 
 
-def _tpdo_part(tpdo: Tpdo, scaling: Scaling) -> TpdoPart:
-    parameters = {word: scaling.analogue(number) for word, number in tpdo.sources.items()}
-    slots = (Slot(word, each.signed) for word, each in parameters.items() if each)
-    return TpdoPart(tpdo.number, tuple(slots))
+def _output(tpdo: Tpdo, word: int, scaling: Scaling) -> Entry:
+    index = SIGNED_OUTPUT if scaling.of(tpdo.sources[word]).signed else UNSIGNED_OUTPUT
+    return Entry(index, WORDS * (tpdo.number - ANALOGUE_TPDOS.start) + word)
 
 
-def _rpdo_parts(settings: Store) -> list[RpdoPart]:
+def _input(rpdo: int, word: int, used: Collection[int]) -> Entry:
+    if word not in used:
+        return Entry(DUMMY, 0)
+    if rpdo == 1:
+        return Entry(DIGITAL_INPUT, {1: 1, 3: 2}[word])
+    return Entry(ANALOG_INPUT, WORDS * (rpdo - 2) + word)
+
+
+def _rpdo_words(settings: Store) -> dict[int, list[int]]:
+    """Which words are used of each active RPDO."""
     known = sensors(settings)
-    binary = [1] * bool(switch_functions(settings)) + [3] * bool(known)  # 4.2.1
-    words = {1: binary} | {
-        rpdo: sorted({sensor.word for sensor in known if sensor.rpdo == rpdo}) for rpdo in (2, 3, 4)
-    }
-    return [RpdoPart(rpdo, tuple(used)) for rpdo, used in words.items() if used]
-
-
-@dataclass(frozen=True)
-class Entry:
-    """One mapped word."""
-
-    index: int
-    sub: int
-
-    @property
-    def mapping(self) -> int:
-        """As it stands in 16xxh and 1Axxh."""
-        return self.index << 16 | self.sub << 8 | 16
+    words = {1: [1] * bool(switch_functions(settings)) + [3] * bool(known)}  # 4.2.1
+    for rpdo in (2, 3, 4):
+        words[rpdo] = sorted({sensor.word for sensor in known if sensor.rpdo == rpdo})
+    return {rpdo: used for rpdo, used in words.items() if used}
 
 
 class Pdo(NamedTuple):
@@ -208,13 +207,11 @@ def built(parts: Iterable[InitPart], settings: Store) -> Dictionary:
     """The dictionary for this configuration, with the identifiers of the gateway."""
     tpdos: dict[int, Pdo] = {}
     rpdos: dict[int, Pdo] = {}
-    for part in parts:
-        if isinstance(part, RpdoPart):  # by the node number (Table 4)
-            rpdos[part.number] = Pdo(0x100 + 0x100 * part.number + settings[OWN_NODE], _words(part))
-            continue
-        sent = _binary(part) if isinstance(part, BinaryPart) else {part.number: _analogue(part)}
-        for number, entries in sent.items():
+    for sent, number, entries in (pdo for part in parts for pdo in part):
+        if sent:
             tpdos[number] = Pdo(_tpdo_identifier(number, settings), entries)
+        else:  # by the node number (Table 4)
+            rpdos[number] = Pdo(0x100 + 0x100 * number + settings[OWN_NODE], entries)
     return Dictionary(tpdos, rpdos)
 
 
@@ -235,28 +232,3 @@ def _tpdo_identifier(number: int, settings: Store) -> int:
     if number in PREDEFINED_TPDOS:
         return 0x80 + 0x100 * number + settings[OWN_NODE]
     return settings[TPDO_IDENTIFIER + number - PREDEFINED_TPDOS.stop]
-
-
-def _binary(part: BinaryPart) -> dict[int, tuple[Entry, ...]]:
-    wanted = [1, 2] * part.errors + [3] * part.status
-    return {n: tuple(Entry(DIGITAL_OUTPUT, sub) for sub in STATUS_WORDS[n]) for n in wanted}
-
-
-def _analogue(part: TpdoPart) -> tuple[Entry, ...]:
-    before = WORDS * (part.number - ANALOGUE_TPDOS.start)
-    return tuple(
-        Entry(SIGNED_OUTPUT if slot.signed else UNSIGNED_OUTPUT, before + slot.word)
-        for slot in part.slots
-    )
-
-
-def _words(part: RpdoPart) -> tuple[Entry, ...]:
-    if part.number == 1:
-        objects = {1: Entry(DIGITAL_INPUT, 1), 3: Entry(DIGITAL_INPUT, 2)}
-    else:
-        before = WORDS * (part.number - 2)
-        objects = {word: Entry(ANALOG_INPUT, before + word) for word in part.words}
-    return tuple(
-        objects[word] if word in part.words else Entry(DUMMY, 0)
-        for word in range(1, max(part.words) + 1)
-    )

@@ -1,50 +1,46 @@
 """DcDesk on one control unit: reads and changes parameters, saves them, clears errors (7 to 9)."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from canopen_twins.devices.gateway.model.bootloader import FROM_BOOTLOADER, Eeprom
-from canopen_twins.devices.gateway.model.errors import COUNTERS, FIRST, MOST
+from canopen_twins.devices.gateway.model.errors import COUNTERS, MOST
 from canopen_twins.devices.gateway.model.parameters import Catalogue, Parameter
 from canopen_twins.devices.gateway.model.unit import ControlUnit, Life
 
-ERRORS = range(FIRST, FIRST + 95)
-BOOTLOADER_EXCEPTION = range(3095, 3099)
-EEPROM_CODE = 3099
-COUNTS = range(FIRST + COUNTERS, FIRST + COUNTERS + 95)
-EXCEPTION = range(3195, 3199)
-BOOTLOADER_TEST = range(3800, 3804)
 SERIAL = (3844, 3845)
-STORED = frozenset(
-    (*ERRORS, *BOOTLOADER_EXCEPTION, EEPROM_CODE, *COUNTS, *EXCEPTION, *BOOTLOADER_TEST, *SERIAL)
-)
+
+
+def _error(unit: ControlUnit[Any], number: int) -> float:
+    in_bootloader = unit.life is Life.BOOTLOADER
+    return unit.bootloader.shows(number) if in_bootloader else unit.memory.has(number)
+
+
+def _exception(unit: ControlUnit[Any], number: int) -> float:
+    damaged = unit.bootloader.damaged(Eeprom.EXCEPTION)
+    return 0 if damaged else unit.exception[number - 3195]
+
+
+def _serial(unit: ControlUnit[Any], number: int) -> float:
+    return 0 if unit.bootloader.damaged(Eeprom.SERIAL_NUMBER) else unit.shown[number]
+
+
+READERS: Mapping[Iterable[int], Callable[[ControlUnit[Any], int], float]] = {
+    range(3000, 3095): _error,
+    range(3100, 3195): lambda unit, number: unit.memory.counts.get(number - COUNTERS, 0),
+    (3099,): lambda unit, _: unit.bootloader.eeprom_code,
+    (*range(3095, 3099), *range(3800, 3804)): lambda unit, number: unit.bootloader.shows(number),
+    range(3195, 3199): _exception,
+    SERIAL: _serial,
+}
+BY_NUMBER = {number: read for numbers, read in READERS.items() for number in numbers}
 
 
 def measured(unit: ControlUnit[Any], number: int) -> float:
     """The present value of a measurement, in its unit; a number the unit has is presumed."""
     if number in unit.live:
         return unit.live[number]()
-    if number not in STORED:
-        return unit.shown[number]
-    if number in ERRORS and unit.life is not Life.BOOTLOADER:
-        return int(unit.memory.has(number))
-    if number in ERRORS or number in BOOTLOADER_EXCEPTION or number in BOOTLOADER_TEST:
-        return unit.bootloader.shows(number)
-    if number in COUNTS:
-        return unit.memory.counts.get(number - COUNTERS, 0)
-    return _kept(unit, number)
-
-
-def _kept(unit: ControlUnit[Any], number: int) -> float:
-    """What is read from the EEPROM, or just shown."""
-    damaged = unit.bootloader.damaged
-    if number == EEPROM_CODE:
-        return unit.bootloader.eeprom_code
-    if number in EXCEPTION:
-        return 0 if damaged(Eeprom.EXCEPTION) else unit.exception[number - EXCEPTION.start]
-    if number in SERIAL and damaged(Eeprom.SERIAL_NUMBER):
-        return 0
-    return unit.shown[number]
+    return BY_NUMBER[number](unit, number) if number in BY_NUMBER else unit.shown[number]
 
 
 IDENTIFIER, LAST_IDENTIFIER = 3850, 3851

@@ -270,4 +270,4 @@ class EngineControl:
         internal = self._inputs.value(sensor)
         if internal is None:
             return local
-        return self._scaling.external(sensor + MEASUREMENT, internal)
+        return self._scaling.of(sensor + MEASUREMENT).external(internal)

@@ -93,7 +93,7 @@ class GatewayProgramme(Programme):
     def tick(self) -> None:
         """One main cycle."""
         self.canopen.step()
-        self.errors.follow(CanopenError.HEARTBEAT, self.canopen.consumer.tripped)
+        self.errors.follow(CanopenError.HEARTBEAT, self.canopen.partner.tripped)
         self._pulses = 0
         self.evaluate()
         self._blocked = self._blocked or bool(self.unit.memory.present & FATAL)
@@ -108,7 +108,7 @@ class GatewayProgramme(Programme):
 
     def clear(self) -> None:
         """Clear all errors here."""
-        self.canopen.consumer.tripped = False
+        self.canopen.partner.tripped = False
         super().clear()
         self._told = None  # the governor has forgotten, too, what we told it
 

@@ -49,7 +49,7 @@ class GovernorProgramme(Programme):
         self.live |= self.control.measurements
         self._tpdos = tpdos(settings, scaling, cycle)
         self._words = {
-            tpdo.number: [(self._reader(n), scaling.count(n)) for n in tpdo.sources.values()]
+            tpdo.number: [(self._reader(n), scaling.of(n)) for n in tpdo.sources.values()]
             for tpdo in self._tpdos
         }
         self._served = 0  # main cycles
@@ -121,7 +121,7 @@ class GovernorProgramme(Programme):
         self._served += 1
         for tpdo in self._tpdos:
             if self._served % tpdo.period == 0:
-                words = [count.of(read()) for read, count in self._words[tpdo.number]]
+                words = [scale.internal(read()) for read, scale in self._words[tpdo.number]]
                 self.can.send(TpdoData(tpdo.number, tuple(words)))
 
     def _reader(self, number: int) -> Callable[[], float]:
@@ -140,7 +140,7 @@ class GovernorProgramme(Programme):
                 self.handshake.judged(answer)
                 self._served = 0
             case RpdoData(number, words):
-                self.inputs.rpdos[number].receive(words)
+                self.inputs.rpdos[number].take(words)
             case ClearErrors():
                 self.clear()
 

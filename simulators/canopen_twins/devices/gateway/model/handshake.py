@@ -226,7 +226,7 @@ class Initialisation:
         if not self._underway(end.session):
             return
         dictionary = built(self._parts, self._settings)
-        complete = end.count == len(self._parts)
+        complete = end.pieces == len(self._parts)
         wrong = refusal(dictionary, self._settings) if complete else Refusal.STRUCTURE
         if wrong is None:
             self._canopen.create(dictionary)

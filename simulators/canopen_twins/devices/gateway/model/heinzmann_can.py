@@ -15,15 +15,13 @@ from canopen_twins.devices.gateway.model.state import GatewayState, GovernorComm
 from canopen_twins.devices.gateway.model.timing import MILLISECOND, NEVER, Time
 
 
-@dataclass(frozen=True)
-class GovernorAlive:
+class GovernorAlive(NamedTuple):
     """Every fourth main cycle."""
 
     errors: CanopenError
 
 
-@dataclass(frozen=True)
-class Command:
+class Command(NamedTuple):
     """An order to the state machine; `fresh` until the governor has initialised once."""
 
     command: GovernorCommand
@@ -31,20 +29,18 @@ class Command:
     fresh: bool
 
 
-@dataclass(frozen=True)
-class InitData:
+class InitData(NamedTuple):
     """One piece of the configuration."""
 
     session: int
     part: InitPart
 
 
-@dataclass(frozen=True)
-class InitEnd:
+class InitEnd(NamedTuple):
     """How many pieces there were."""
 
     session: int
-    count: int
+    pieces: int
 
 
 class Binary(NamedTuple):
@@ -62,8 +58,7 @@ class TpdoData(NamedTuple):
     words: tuple[int, ...]
 
 
-@dataclass(frozen=True)
-class GatewayAlive:
+class GatewayAlive(NamedTuple):
     """Every fourth main cycle and whenever something in it has changed."""
 
     state: GatewayState
@@ -78,31 +73,27 @@ class GatewayAlive:
     """Nothing was told since the last reset."""
 
 
-@dataclass(frozen=True)
-class InitReady:
+class InitReady(NamedTuple):
     """The gateway waits for its configuration."""
 
     session: int
 
 
-@dataclass(frozen=True)
-class InitResult:
+class InitResult(NamedTuple):
     """The verdict on the configuration; no refusal is a yes."""
 
     session: int
     refusal: Refusal | None
 
 
-@dataclass(frozen=True)
-class RpdoData:
+class RpdoData(NamedTuple):
     """The words of an RPDO as received."""
 
     number: int
     words: tuple[int, ...]
 
 
-@dataclass(frozen=True)
-class ClearErrors:
+class ClearErrors(NamedTuple):
     """Errors were cleared in the other unit (9.1)."""
 
 

@@ -219,32 +219,25 @@ class Store:
         return self._effective[number]
 
 
-SIGNED, UNSIGNED = (-0x8000, 0x7FFF), (0, 0xFFFF)  # what fits into 16 bits
-
-
 class Scale(NamedTuple):
-    """So many counts for the full scale, in the unit of the parameter."""
+    """So many counts for the full scale, in the unit of the parameter, within the 16 bits."""
 
     full_scale: float
     counts: int
+    signed: bool
 
-
-class Count(NamedTuple):
-    """How one parameter is counted: its scale, and what fits."""
-
-    full_scale: float
-    counts: int
-    low: int
-    high: int
-
-    def of(self, value: float) -> int:
+    def internal(self, value: float) -> int:
         """The 16 bits a value is sent as, 0..FFFFh; what does not fit is cut off."""
-        internal = round(value / self.full_scale * self.counts)
-        return min(max(self.low, internal), self.high) & 0xFFFF
+        internal, low = round(value / self.full_scale * self.counts), -0x8000 if self.signed else 0
+        return min(max(low, internal), low + 0xFFFF) & 0xFFFF
+
+    def external(self, internal: int) -> float:
+        """The value that the 16 unsigned bits of a CANopen sensor stand for."""
+        return internal / self.counts * self.full_scale
 
 
 class Scaling:
-    """Converts between what DcDesk shows and what TPDOs and RPDOs carry.
+    """Internal values of the governor: what a measurement is in 16 bits (7.1.2.2, A-18).
 
     A parameter without a scale of its own is counted in steps of its resolution.
     """
@@ -253,23 +246,14 @@ class Scaling:
         self._parameters = catalogue.of(Unit.GOVERNOR)
         self._scales = scales
 
-    def analogue(self, number: int) -> Parameter | None:
-        """The parameter with this number, if it can be sent in an analogue TPDO (4.1.2)."""
-        parameter = self._parameters.get(number)
-        return parameter if parameter is not None and parameter.analogue else None
+    def analogue(self, number: int) -> bool:
+        """Whether a parameter with this number can be sent in an analogue TPDO (4.1.2)."""
+        return number in self._parameters and self._parameters[number].analogue
 
-    def count(self, number: int) -> Count:
-        """How the parameter with this number is sent."""
-        limits = SIGNED if self._parameters[number].signed else UNSIGNED
-        return Count(*self._scale(number), *limits)
-
-    def external(self, number: int, internal: int) -> float:
-        """The value that the 16 unsigned bits of a CANopen sensor stand for."""
-        scale = self._scale(number)
-        return internal / scale.counts * scale.full_scale
-
-    def _scale(self, number: int) -> Scale:
-        return self._scales.get(number) or Scale(self._parameters[number].resolution, 1)
+    def of(self, number: int) -> Scale:
+        """How the parameter with this number is counted."""
+        parameter = self._parameters[number]
+        return self._scales.get(number) or Scale(parameter.resolution, 1, parameter.signed)
 
 
 def scaling(catalogue: Catalogue, rows: Iterable[Mapping[str, str]]) -> Scaling:
@@ -286,18 +270,17 @@ def scaling(catalogue: Catalogue, rows: Iterable[Mapping[str, str]]) -> Scaling:
             number = int(row["number"])
             if number in scales:
                 raise ValueError(f"{number} is there twice")
-            scales[number] = _scale(catalogue, number, row)
+            scales[number] = _scale(catalogue.find(Unit.GOVERNOR, number), row)
     return Scaling(catalogue, scales)
 
 
-def _scale(catalogue: Catalogue, number: int, row: Mapping[str, str]) -> Scale:
-    parameter = catalogue.find(Unit.GOVERNOR, number)
-    scale = Scale(float(row["full_scale"]), int(row["counts"]))
+def _scale(parameter: Parameter, row: Mapping[str, str]) -> Scale:
+    scale = Scale(float(row["full_scale"]), int(row["counts"]), parameter.signed)
     if not parameter.analogue:
         raise ValueError(f"{parameter.title}: a single bit has no scale")
     if not scale.full_scale > 0:
         raise ValueError(f"{parameter.title}: full scale {scale.full_scale:g} is not above 0")
-    high = (SIGNED if parameter.signed else UNSIGNED)[1]
+    high = 0x7FFF if parameter.signed else 0xFFFF
     if not 0 < scale.counts <= high:
         raise ValueError(f"{parameter.title}: {scale.counts} counts are not in 1..{high}")
     return scale

@@ -79,17 +79,6 @@ NEXT: Mapping[GatewayState, Mapping[Trigger, GatewayState]] = {
 }
 
 
-class Machine:
-    """The state machine itself."""
-
-    def __init__(self) -> None:
-        self.state = GatewayState.UNDEFINED
-
-    def handle(self, trigger: Trigger) -> None:
-        """Go where the trigger leads from here."""
-        self.state = NEXT[self.state].get(trigger, self.state)
-
-
 STATE_PARAMETERS: Mapping[int, GatewayState] = {
     12401: GatewayState.STOPPED,
     12402: GatewayState.INIT,

@@ -17,6 +17,32 @@ class Time:
     now: int = 0
 
 
+@dataclass
+class Watch:
+    """Misses what should come again and again: an RPDO, the heartbeat of a partner."""
+
+    limit: int
+    """Main cycles without it after which it is missed; 0: it is not watched."""
+    arrived: bool = False
+    """Whether it has come since Operational was entered."""
+    tripped: bool = False
+    """Whether it is missed; over as soon as it comes."""
+    _age: int = 0
+
+    def begin(self) -> None:
+        """Operational was entered: nothing counts that came before."""
+        self.arrived, self.tripped, self._age = False, False, 0
+
+    def receive(self) -> None:
+        """It has come."""
+        self.arrived, self.tripped, self._age = True, False, 0
+
+    def step(self) -> None:
+        """One main cycle without it."""
+        self._age += 1
+        self.tripped = self.tripped or 0 < self.limit < self._age
+
+
 def microseconds(seconds: float) -> int:
     """The same time in microseconds.
 
