@@ -10,24 +10,22 @@ from canopen_twins.device.device import Message
 from canopen_twins.device.faults import Fault
 from canopen_twins.devices.gateway import delivery
 from canopen_twins.devices.gateway.chart import chart
-from canopen_twins.devices.gateway.dcdesk import DcDesk, NonVolatile
 from canopen_twins.devices.gateway.faults import faults
 from canopen_twins.devices.gateway.messages import MESSAGES, emergencies, report, silence
-from canopen_twins.devices.gateway.model.configuration import OWN_NODE, PARTNER_NODE
-from canopen_twins.devices.gateway.model.parameters import Store
+from canopen_twins.devices.gateway.model.configuration import PARTNER_NODE
 from canopen_twins.devices.gateway.model.state import MasterCommand
 from canopen_twins.devices.gateway.model.system import System
 from canopen_twins.devices.gateway.model.timing import GRID
 from canopen_twins.devices.gateway.object_dictionary import PROFILE, fill, identify, objects
 from canopen_twins.devices.gateway.settings import Settings
-from canopen_twins.devices.gateway.traffic import STATES, Disturbance, Traffic
+from canopen_twins.devices.gateway.traffic import STATES, Traffic
+from canopen_twins.devices.gateway.units import DcDesk, Units
 from canopen_twins.slave.emcy import Emcy
 from canopen_twins.slave.object import Address, Object
 from canopen_twins.slave.service import Service, State
 from canopen_twins.slave.slave import Slave
 
 MICROSECOND = 1e-6  # s
-KILOWATT = 1e3  # W
 COMMANDS = {  # Figure 3
     State.OPERATIONAL: MasterCommand.OPERATIONAL,
     State.STOPPED: MasterCommand.STOP,
@@ -44,58 +42,40 @@ class Device(device.Device):
     settings: Settings
     profile = PROFILE
     cycle = GRID * MICROSECOND
-    system: System
 
     def configure(self, **given: object) -> None:
         """Deliver both units with these settings."""
         super().configure(**given)
-        self.disturbance = Disturbance()
-        self._load_step = 0.0
-        self._deliver()
+        self.units = Units(self.settings, self.memory)
 
     def check(self) -> None:
         """What the files say, and whether the times fit."""
         delivery.system(self.settings)
         delivery.configuration(self.settings)
 
-    def _deliver(self) -> None:
-        self.system = delivery.system(self.settings)
-        delivered = delivery.configuration(self.settings)
-        self.nonvolatile = NonVolatile(self.system, delivered, self.memory)
-        self.apply()
-
     def apply(self) -> None:
         """What surrounds the engine follows at once."""
-        settings, governor = self.settings, self.system.governor
-        governor.engine.load = KILOWATT * (settings.load + self._load_step)
-        governor.operation.run = settings.run
-        governor.operation.local_setpoint = settings.speed
-        governor.operation.droop = settings.droop / 100
+        self.units.apply(self.settings)
 
-    def step_load(self, kilowatts: float) -> None:
-        """Let consumers draw this much beside those of the settings."""
-        self._load_step = kilowatts
-        self.apply()
+    @property
+    def system(self) -> System:
+        """The model; power-on makes a new one."""
+        return self.units.system
 
     @property
     def governor(self) -> DcDesk:
         """DcDesk, connected to the governor."""
-        return DcDesk(self.system.governor, self.nonvolatile)
+        return DcDesk(self.system.governor, self.units)
 
     @property
     def gateway(self) -> DcDesk:
         """DcDesk, connected to the gateway."""
-        return DcDesk(self.system.gateway, self.nonvolatile)
+        return DcDesk(self.system.gateway, self.units)
 
     @property
     def node_id(self) -> int:
         """Parameter 427 in force, or as the next start finds it."""
-        return self._parameters[OWN_NODE]
-
-    @property
-    def _parameters(self) -> Store:
-        gateway = self.system.gateway
-        return gateway.store.after_reset if gateway.programme is None else gateway.store
+        return self.units.node_id
 
     @property
     def online(self) -> bool:
@@ -139,7 +119,7 @@ class Device(device.Device):
     @property
     def faults(self) -> Mapping[str, Fault]:
         """Causes in the units, between them and around them."""
-        return faults(self)
+        return faults(self.units)
 
     @property
     def report(self) -> Mapping[str, object]:
@@ -149,24 +129,25 @@ class Device(device.Device):
     @property
     def chart(self) -> Chart:
         """The engine, and what the governor does with it."""
-        return chart(self)
+        return chart(self.units)
 
     def dictionary(self) -> ObjectDictionary:
         """The EDS with what the handshake has created, or will create (A-03)."""
         od = super().dictionary()
         fill(od, self.system.dictionary or self.system.planned)
-        identify(od, self._parameters, self.system.gateway)
+        identify(od, self.units.parameters, self.system.gateway)
         return od
 
     def pdos(self, slave: Slave) -> Iterable[Service]:
         """What is sent and when is the governor's business (4); it comes with all traffic."""
-        traffic = Traffic(slave, self.system, self._parameters[PARTNER_NODE], self.disturbance)
+        partner = self.units.parameters[PARTNER_NODE]
+        traffic = Traffic(slave, self.system, partner, self.units.disturbance)
         traffic.begin()
         yield traffic
 
     def power_on(self) -> None:
         """Supply comes to both units; the engine stands (A-54)."""
-        self._deliver()
+        self.units.renew(self.settings, self.memory)
         self.system.power_on()
 
     def power_off(self) -> None:
@@ -189,4 +170,4 @@ class Device(device.Device):
     def step(self, dt: float) -> None:
         """Let time pass in both units and in the engine."""
         self.system.step(dt)
-        self.nonvolatile.keep_news()
+        self.units.keep_news()

@@ -1,14 +1,11 @@
 """What can go wrong with both units, with what joins them, and around them: a row for each fault.
 
-A row acts on the device. It asks for the system when it is used: power-on makes a new one.
+A row acts on the units. It asks for the system when it is used: power-on makes a new one.
 """
-
-from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
 
 from canopen_twins.device.faults import Fault, Parameter
 from canopen_twins.devices.gateway.model.configuration import PARTNER_NODE, RPDOS
@@ -17,12 +14,10 @@ from canopen_twins.devices.gateway.model.parameters import Unit
 from canopen_twins.devices.gateway.model.system import Buffer
 from canopen_twins.devices.gateway.model.timing import MILLISECOND
 from canopen_twins.devices.gateway.unit_faults import UNIT_FAULTS, one_of, positive
+from canopen_twins.devices.gateway.units import Units
 from canopen_twins.errors import UserError
 
-if TYPE_CHECKING:
-    from canopen_twins.devices.gateway import Device
-
-
+CHANNELS = range(1, 13)
 DIRECTIONS = {
     "both": tuple(Unit),
     "to_gateway": (Unit.GATEWAY,),
@@ -41,12 +36,12 @@ TWICE = {
 }
 
 
-def faults(device: Device) -> Mapping[str, Fault]:
-    """Every fault by its name, of this device."""
+def faults(units: Units) -> Mapping[str, Fault]:
+    """Every fault by its name, of this units."""
 
     def bound(fault: Fault) -> Fault:
-        clear = None if fault.clear is None else partial(fault.clear, device)
-        return replace(fault, inject=partial(fault.inject, device), clear=clear)
+        clear = None if fault.clear is None else partial(fault.clear, units)
+        return replace(fault, inject=partial(fault.inject, units), clear=clear)
 
     return {name: bound(fault) for name, fault in {**UNIT_FAULTS, **FAULTS}.items()}
 
@@ -57,46 +52,38 @@ def _within(known: range, what: str, number: int) -> int:
     return number
 
 
-def _directions(device: Device, direction: str) -> list[Direction]:
-    units = DIRECTIONS[one_of(DIRECTIONS, "direction", direction)]
-    return [device.system.link.to[unit] for unit in units]
+def _directions(units: Units, direction: str) -> list[Direction]:
+    to = DIRECTIONS[one_of(DIRECTIONS, "direction", direction)]
+    return [units.system.link.to[unit] for unit in to]
 
 
-def _cut(device: Device, direction: str, cut: bool = True) -> None:
-    for each in _directions(device, direction):
+def _cut(units: Units, direction: str, cut: bool = True) -> None:
+    for each in _directions(units, direction):
         each.cut = cut
 
 
-def _delay(device: Device, milliseconds: int, direction: str) -> None:
+def _delay(units: Units, milliseconds: int, direction: str) -> None:
     delay = _within(range(1, 1001), "milliseconds", milliseconds) * MILLISECOND
-    for each in _directions(device, direction):
+    for each in _directions(units, direction):
         each.delay = delay
 
 
-def _drop(device: Device, count: int, direction: str) -> None:
-    for each in _directions(device, direction):
+def _drop(units: Units, count: int, direction: str) -> None:
+    for each in _directions(units, direction):
         each.drop = count
 
 
 def _overflow(buffer: Buffer, consequence: str) -> Fault:
     text = f"The buffer for {buffer.value} overflows, once ({consequence})."
-    return Fault(text, lambda device: device.system.overflow(buffer))
+    return Fault(text, lambda units: units.system.overflow(buffer))
 
 
-def _disturb(device: Device, fault: bool = True) -> None:
-    device.system.gateway.plug.fault = fault
+def _disturb(units: Units, fault: bool = True) -> None:
+    units.system.gateway.plug.fault = fault
 
 
-def _lose_partner(device: Device, lost: bool = True) -> None:
-    device.disturbance.partner = lost
-
-
-def _flag(device: Device, channel: int) -> None:
-    device.disturbance.flags = 1 << (_within(range(1, 13), "channel", channel) - 1)
-
-
-def _unflag(device: Device, channel: int) -> None:
-    device.disturbance.flags = 0
+def _lose_partner(units: Units, lost: bool = True) -> None:
+    units.disturbance.partner = lost
 
 
 def _misconfigured(
@@ -106,14 +93,14 @@ def _misconfigured(
 ) -> Fault:
     return Fault(
         text,
-        lambda device, **given: device.nonvolatile.misconfigure(content(device, **given)),
-        lambda device, **_: device.nonvolatile.put_right(),
+        lambda units, **given: units.misconfigure(content(units, **given)),
+        lambda units, **_: units.put_right(),
         parameters or {},
     )
 
 
-def _race(device: Device, rpm: int) -> None:
-    device.system.governor.engine.speed = positive("rpm", rpm)
+def _race(units: Units, rpm: int) -> None:
+    units.system.governor.engine.speed = positive("rpm", rpm)
 
 
 FAULTS: Mapping[str, Fault] = {
@@ -127,13 +114,13 @@ FAULTS: Mapping[str, Fault] = {
     "link_delay": Fault(
         "Telegrams between the units take longer.",
         _delay,
-        lambda device, milliseconds, direction: _delay(device, USUAL_DELAY, direction),
+        lambda units, milliseconds, direction: _delay(units, USUAL_DELAY, direction),
         {"milliseconds": Parameter("how long, 1..1000", kind=int), **DIRECTION},
     ),
     "link_drop": Fault(
         "The next telegrams between the units are lost.",
-        lambda device, count, direction: _drop(device, int(positive("count", count)), direction),
-        lambda device, count, direction: _drop(device, 0, direction),
+        lambda units, count, direction: _drop(units, int(positive("count", count)), direction),
+        lambda units, count, direction: _drop(units, 0, direction),
         {"count": Parameter("how many", 1, int), **DIRECTION},
     ),
     # CANopen
@@ -150,35 +137,35 @@ FAULTS: Mapping[str, Fault] = {
     ),
     "rpdo_lost": Fault(
         "An RPDO does not arrive (12413 if it is monitored).",
-        lambda device, number: device.disturbance.lost.add(_within(RPDOS, "number", number)),
-        lambda device, number: device.disturbance.lost.discard(number),
+        lambda units, number: units.disturbance.lost.add(_within(RPDOS, "number", number)),
+        lambda units, number: units.disturbance.lost.discard(number),
         {"number": Parameter("1..4", 1, int)},
     ),
     "sensor_flag": Fault(
         "The flag of a sensor is set in word 3 of RPDO1 (its error 3005 onward).",
-        _flag,
-        _unflag,
+        lambda units, channel: units.disturbance.flagged.add(_within(CHANNELS, "channel", channel)),
+        lambda units, channel: units.disturbance.flagged.discard(channel),
         {"channel": Parameter("1..12", 1, int)},
     ),
     # the configuration
     "duplicate_identifier": _misconfigured(
         "TPDO5 and TPDO6 are configured with one identifier; both units restart (12412).",
-        lambda device: TWICE,
+        lambda units: TWICE,
     ),
     "reserved_identifier": _misconfigured(
         "TPDO5 is configured with an identifier of others; both units restart (12412).",
-        lambda device, identifier: {"governor": SENT, "gateway": {TPDO5_IDENTIFIER: identifier}},
+        lambda units, identifier: {"governor": SENT, "gateway": {TPDO5_IDENTIFIER: identifier}},
         {"identifier": Parameter("of TPDO5", 0x100, int)},
     ),
     "partner_is_own_node": _misconfigured(
         "428 is the own node id; both units restart (12412).",
-        lambda device: {"gateway": {PARTNER_NODE: device.node_id}},
+        lambda units: {"gateway": {PARTNER_NODE: units.node_id}},
     ),
     # the engine
     "load_step": Fault(
         "Consumers are switched on, beside those of the setting `load`.",
-        lambda device, kilowatts: device.step_load(kilowatts),
-        lambda device, kilowatts: device.step_load(0),
+        lambda units, kilowatts: units.step_load(kilowatts),
+        lambda units, kilowatts: units.step_load(0),
         {"kilowatts": Parameter("how much they draw", 100.0)},
     ),
     "overspeed": Fault(

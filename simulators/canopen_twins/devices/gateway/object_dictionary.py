@@ -9,14 +9,10 @@ from canopen.objectdictionary import ODArray, ODVariable
 from canopen.objectdictionary.datatypes import UNSIGNED16, UNSIGNED32
 
 from canopen_twins.devices.gateway.model.configuration import (
-    ANALOG_INPUT,
-    DIGITAL_INPUT,
     DIGITAL_OUTPUT,
     HEARTBEAT_LIMIT,
     HEARTBEAT_PERIOD,
     PARTNER_NODE,
-    SIGNED_OUTPUT,
-    UNSIGNED_OUTPUT,
     Dictionary,
     Pdo,
 )
@@ -24,11 +20,7 @@ from canopen_twins.devices.gateway.model.desk import SERIAL, measured
 from canopen_twins.devices.gateway.model.gateway import Gateway
 from canopen_twins.devices.gateway.model.parameters import Store
 from canopen_twins.devices.gateway.model.system import System
-from canopen_twins.devices.gateway.model.timing import (
-    GATEWAY_CYCLE,
-    MOST_HEARTBEAT_CYCLES,
-    cycles,
-)
+from canopen_twins.devices.gateway.model.timing import GATEWAY_CYCLE, heartbeat_cycles
 from canopen_twins.slave.object import Object
 from canopen_twins.slave.profile import Profile
 
@@ -37,7 +29,7 @@ MICROSECOND = 1e-6  # s
 
 def heartbeat_period(milliseconds: int) -> float:
     """Seconds between two heartbeats: whole main cycles (7.2.3)."""
-    return cycles(milliseconds, GATEWAY_CYCLE, MOST_HEARTBEAT_CYCLES) * GATEWAY_CYCLE * MICROSECOND
+    return heartbeat_cycles(milliseconds) * GATEWAY_CYCLE * MICROSECOND
 
 
 PROFILE = Profile(
@@ -50,10 +42,10 @@ PROFILE = Profile(
 
 MEASURED = {  # 5.1: objects with entries of their own
     DIGITAL_OUTPUT: "Engine State",
-    UNSIGNED_OUTPUT: "Unsigned Analog Output",
-    SIGNED_OUTPUT: "Signed Analog Output",
-    DIGITAL_INPUT: "Digital Input",
-    ANALOG_INPUT: "Analog Input",
+    0x2001: "Unsigned Analog Output",
+    0x2002: "Signed Analog Output",
+    0x2003: "Digital Input",
+    0x2004: "Analog Input",
 }
 
 

@@ -27,8 +27,8 @@ class Disturbance:
 
     lost: set[int] = field(default_factory=set)
     """RPDOs that do not arrive."""
-    flags: int = 0
-    """Bits set in word 3 of RPDO1, whatever the master sends there."""
+    flagged: set[int] = field(default_factory=set)
+    """Channels whose bits are set in word 3 of RPDO1, whatever the master sends there."""
     partner: bool = False
     """Whether heartbeats of the partner do not arrive."""
 
@@ -86,7 +86,7 @@ class Traffic(Service):
             return
         words = list(struct.unpack_from(f"<{len(frame.data) // 2}H", frame.data))
         if number == 1 and len(words) > FLAG_WORD:
-            words[FLAG_WORD] |= self._disturbance.flags
+            words[FLAG_WORD] |= sum(1 << (channel - 1) for channel in self._disturbance.flagged)
         self._system.receive_rpdo(number, tuple(words))
 
     def _on_partner(self, frame: Frame) -> None:

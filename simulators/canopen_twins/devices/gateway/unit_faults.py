@@ -1,10 +1,8 @@
 """What can go wrong with one of the control units, or with both: a row for each fault."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from canopen_twins.device.faults import Fault, Parameter
 from canopen_twins.devices.gateway.model.bootloader import EndlessLoop, Finding
@@ -13,19 +11,16 @@ from canopen_twins.devices.gateway.model.gateway import Gateway
 from canopen_twins.devices.gateway.model.governor import Governor
 from canopen_twins.devices.gateway.model.timing import microseconds
 from canopen_twins.devices.gateway.model.unit import POWER_SUPPLY, Life
+from canopen_twins.devices.gateway.units import Units
 from canopen_twins.errors import UserError, unknown
-
-if TYPE_CHECKING:
-    from canopen_twins.devices.gateway import Device
-
 
 ControlUnit = Governor | Gateway
 Act = Callable[..., None]
 
-UNITS: Mapping[str, Callable[[Device], tuple[ControlUnit, ...]]] = {
-    "gateway": lambda device: (device.system.gateway,),
-    "governor": lambda device: (device.system.governor,),
-    "both": lambda device: (device.system.governor, device.system.gateway),
+WHICH: Mapping[str, Callable[[Units], tuple[ControlUnit, ...]]] = {
+    "gateway": lambda units: (units.system.gateway,),
+    "governor": lambda units: (units.system.governor,),
+    "both": lambda units: (units.system.governor, units.system.gateway),
 }
 LOOPS = {"watchdog": EndlessLoop.WATCHDOG, "checksum": EndlessLoop.CHECKSUM, "ram": EndlessLoop.RAM}
 BUFFERS = ("receive", "transmit")
@@ -70,8 +65,8 @@ def positive(what: str, number: float) -> float:
 def _of_unit(text: str, act: Act, undo: Act | None = None, **parameters: Parameter) -> Fault:
     """A fault whose parameter `unit` says to which units something is done."""
 
-    def each(action: Act, device: Device, unit: str, given: Mapping[str, Any]) -> None:
-        for control_unit in UNITS[one_of(UNITS, "unit", unit)](device):
+    def each(action: Act, units: Units, unit: str, given: Mapping[str, Any]) -> None:
+        for control_unit in WHICH[one_of(WHICH, "unit", unit)](units):
             try:
                 action(control_unit, **given)
             except ValueError as refusal:
@@ -79,9 +74,9 @@ def _of_unit(text: str, act: Act, undo: Act | None = None, **parameters: Paramet
 
     return Fault(
         text,
-        lambda device, unit, **given: each(act, device, unit, given),
-        None if undo is None else (lambda device, unit, **_: each(undo, device, unit, {})),
-        {**parameters, "unit": Parameter(", ".join(UNITS), "gateway", str)},
+        lambda units, unit, **given: each(act, units, unit, given),
+        None if undo is None else (lambda units, unit, **_: each(undo, units, unit, {})),
+        {**parameters, "unit": Parameter(", ".join(WHICH), "gateway", str)},
     )
 
 
@@ -91,13 +86,13 @@ def _restart(unit: ControlUnit) -> None:
         unit.reset()
 
 
-def _be_late(device: Device, seconds: float) -> None:
-    device.system.governor.boot_time = microseconds(round(positive("seconds", seconds), 3))
-    _restart(device.system.governor)
+def _be_late(units: Units, seconds: float) -> None:
+    units.system.governor.boot_time = microseconds(round(positive("seconds", seconds), 3))
+    _restart(units.system.governor)
 
 
-def _be_in_time(device: Device, seconds: float) -> None:
-    device.system.governor.boot_time = microseconds(device.settings.boot_time)
+def _be_in_time(units: Units, seconds: float) -> None:
+    units.system.governor.boot_time = microseconds(units.settings.boot_time)
 
 
 def _overflow(unit: ControlUnit, buffer: str) -> None:

@@ -15,12 +15,7 @@ from canopen_twins.devices.gateway.model.configuration import (
 from canopen_twins.devices.gateway.model.errors import Assignment
 from canopen_twins.devices.gateway.model.parameters import Store
 from canopen_twins.devices.gateway.model.state import COMMUNICATING, NEXT, GatewayState, Trigger
-from canopen_twins.devices.gateway.model.timing import (
-    GATEWAY_CYCLE,
-    MOST_HEARTBEAT_CYCLES,
-    Watch,
-    cycles,
-)
+from canopen_twins.devices.gateway.model.timing import Watch, heartbeat_cycles
 
 BINARY_TPDOS = (1, 2, 3)
 RETRY_CYCLES = 31  # main cycles: half a second
@@ -166,7 +161,7 @@ class CanopenSide:
         self._assignment, self._first = assignment, first
         self._digital = (0, 0)  # errors and engine state, told even before there is a dictionary
         self._beats = bool(settings[HEARTBEAT_PERIOD])
-        limit = cycles(settings[HEARTBEAT_LIMIT], GATEWAY_CYCLE, MOST_HEARTBEAT_CYCLES)
+        limit = heartbeat_cycles(settings[HEARTBEAT_LIMIT])
         self.partner = Watch(limit if settings[PARTNER_NODE] else 0)
         """In Operational; without a first heartbeat it is not missed, or at once (A-19)."""
         self._always_armed = always_armed

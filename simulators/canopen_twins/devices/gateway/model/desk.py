@@ -46,14 +46,7 @@ def measured(unit: ControlUnit[Any], number: int) -> float:
 IDENTIFIER, LAST_IDENTIFIER = 3850, 3851
 PC_HIGH, PC_LOW = 2424, 2425
 SHOWN = (
-    2406,
-    PC_HIGH,
-    PC_LOW,
-    3600,
-    *range(3840, 3846),
-    IDENTIFIER,
-    LAST_IDENTIFIER,
-    3865,
+    *(2406, PC_HIGH, PC_LOW, 3600, *range(3840, 3846), IDENTIFIER, LAST_IDENTIFIER, 3865),
     *range(3895, 3899),
 )
 """Measurements that nothing in the model makes."""

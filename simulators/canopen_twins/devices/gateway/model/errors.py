@@ -158,14 +158,8 @@ class CanopenErrors:
 WORDS = range(1, 7)  # 2000h:01-06
 ERROR_BITS, ENGINE_BITS = 16, 8  # 5.1.1
 ENGINE_STATES = (
-    "stopped",
-    "cranking",
-    "running",
-    "idle",
-    "setpoint reached",
-    "running down",
-    "load connected",
-    "overspeed stop",
+    *("stopped", "cranking", "running", "idle", "setpoint reached", "running down"),
+    *("load connected", "overspeed stop"),
 )
 
 

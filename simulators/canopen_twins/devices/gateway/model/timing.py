@@ -6,8 +6,7 @@ GRID = 125  # us: 15.625 ms and 16 ms have no greater divisor
 MILLISECOND = 1000  # us
 GATEWAY_CYCLE = 16 * MILLISECOND  # us, main cycle (7.2.3)
 NEVER = 1 << 62  # us: when something is due that is not to come
-MOST_CYCLES = 255  # 4.1.2, of the governor
-MOST_HEARTBEAT_CYCLES = 4095  # 7.2.3
+MOST_CYCLES, MOST_HEARTBEAT_CYCLES = 255, 4095  # of the governor (4.1.2), the gateway (7.2.3)
 
 
 @dataclass
@@ -63,3 +62,8 @@ def cycles(milliseconds: int, cycle: int, most: int) -> int:
     if milliseconds == 0:
         return 0
     return min(max(1, milliseconds * MILLISECOND // cycle), most)
+
+
+def heartbeat_cycles(milliseconds: int) -> int:
+    """How many main cycles of the gateway a period or a limit comes to (7.2.3)."""
+    return cycles(milliseconds, GATEWAY_CYCLE, MOST_HEARTBEAT_CYCLES)

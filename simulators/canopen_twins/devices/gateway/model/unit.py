@@ -13,13 +13,7 @@ from typing import Any, ClassVar, Generic, TypeVar
 from canopen_twins.devices.gateway.model import errors
 from canopen_twins.devices.gateway.model.bootloader import Bootloader, Eeprom
 from canopen_twins.devices.gateway.model.canopen_side import FirstTpdo
-from canopen_twins.devices.gateway.model.errors import (
-    CANOPEN_ERRORS,
-    Assignment,
-    CanopenError,
-    CanopenErrors,
-    ErrorMemory,
-)
+from canopen_twins.devices.gateway.model.errors import CANOPEN_ERRORS, CanopenError, CanopenErrors
 from canopen_twins.devices.gateway.model.heinzmann_can import (
     ClearErrors,
     HeinzmannCan,
@@ -27,13 +21,7 @@ from canopen_twins.devices.gateway.model.heinzmann_can import (
     Telegram,
     Wiring,
 )
-from canopen_twins.devices.gateway.model.parameters import (
-    Catalogue,
-    Parameter,
-    Scaling,
-    Store,
-    Unit,
-)
+from canopen_twins.devices.gateway.model.parameters import Catalogue, Scaling, Store, Unit
 from canopen_twins.devices.gateway.model.state import STATE_PARAMETERS, GatewayState, state_word
 from canopen_twins.devices.gateway.model.timing import NEVER, Time, microseconds
 
@@ -49,7 +37,7 @@ class Tables:
 
     catalogue: Catalogue
     scaling: Scaling
-    assignment: Assignment
+    assignment: errors.Assignment
 
 
 @dataclass(frozen=True)
@@ -191,9 +179,9 @@ class ControlUnit(ABC, Generic[P]):
         """Main cycle, us."""
         self.boot_time = microseconds(around.options.boot_time)
         """Bootloader tests and start of the programme, us (9.3)."""
-        self.parameters: Mapping[int, Parameter] = around.tables.catalogue.of(self.which)
+        self.parameters = around.tables.catalogue.of(self.which)
         self.store = Store(self.parameters)
-        self.memory = ErrorMemory()
+        self.memory = errors.ErrorMemory()
         self.exception = (0, 0, 0, 0)
         """3195 to 3198 of the permanent memory: number, address low and high, flags."""
         self.bootloader = Bootloader()
