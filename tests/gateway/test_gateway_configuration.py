@@ -4,7 +4,6 @@ from canopen_twins.devices.gateway.model.configuration import Entry, Refusal
 from canopen_twins.devices.gateway.model.state import GatewayState
 from canopen_twins.devices.gateway.model.timing import cycles, microseconds
 
-TPDO4_ONLY = {"governor": {16472: 0}}
 NO_BINARY = {"governor": {14401: 0, 14402: 0}}
 
 

@@ -169,5 +169,6 @@ class Device(device.Device):
 
     def step(self, dt: float) -> None:
         """Let time pass in both units and in the engine."""
-        self.system.step(dt)
-        self.units.keep_news()
+        units = self.units
+        units.system.step(dt)
+        units.keep_news()
