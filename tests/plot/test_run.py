@@ -1,4 +1,4 @@
-from canopen_twins.record.plot.run import Span, joined
+from canopen_twins.record.plot.track import Span, joined
 
 
 def test_times_that_meet_or_overlap_are_one():

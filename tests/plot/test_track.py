@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis.strategies import floats, lists, none, one_of
 
 from canopen_twins.device.chart import Band, Mood
-from canopen_twins.record.plot.run import MOST, Track, extremes, worst
+from canopen_twins.record.plot.track import MOST, Track, extremes, worst
 
 
 def track_of(values, thin=extremes, period=0.001):

@@ -15,14 +15,7 @@ from functools import partial
 from importlib import import_module
 from importlib.metadata import version
 
-from canopen_twins.cli.command import (
-    INTERRUPTED,
-    NO_READER,
-    WRONG_INPUT,
-    Command,
-    Parser,
-    add_verbosity,
-)
+from canopen_twins.cli.command import INTERRUPTED, NO_READER, WRONG_INPUT, Parser, add_verbosity
 from canopen_twins.errors import UserError
 
 __all__ = ["main", "parser"]
@@ -63,17 +56,16 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
         "vcan": "run a command where there is a real vcan0: here, or in a user-mode Linux guest"
     },
 }
-"""By module; its function `add_NAME` says what a command takes and what is done."""
+"""By module; its `add_NAME` fills the parser, and sets `command`: from options to an exit code."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command and return the exit code; a bug comes out as its exception."""
     _open_streams()
-    options = parser().parse_args(arguments)
-    _log(options.verbose)
-    command: Command = options.command
     try:
-        code = command(options)
+        options = parser().parse_args(arguments)
+        _log(options.verbose)
+        code: int = options.command(options)
         sys.stdout.flush()
     except UserError as error:
         return _refused(str(error))

@@ -71,9 +71,10 @@ def _of_a_hub(options: argparse.Namespace) -> NamedBus:
 def _of_python_can(options: argparse.Namespace) -> NamedBus:
     config = _config(options)
     interface = config.get("interface")
-    is_virtual = VIRTUAL.get(str(interface), lambda _: interface is None)  # None: it will not open
+    known = VIRTUAL.get(str(interface))
+    virtual = interface is None if known is None else known(config)  # None: it will not open
     told = {"interface": interface, "channel": config.get("channel")}
-    return NamedBus(partial(_open, options), told, is_virtual(config), interface == "virtual")
+    return NamedBus(partial(_open, options), told, virtual, interface == "virtual")
 
 
 def _config(options: argparse.Namespace) -> Mapping[str, Any]:

@@ -64,6 +64,6 @@ def schema(options: argparse.Namespace) -> int:
     from canopen_twins.files.table import json_schema  # noqa: PLC0415
     from canopen_twins.scenario.schema import BenchFile, ScenarioFile  # noqa: PLC0415
 
-    file = {"scenario": ScenarioFile, "bench": BenchFile}[options.file]
-    print(json.dumps(json_schema(file), indent=2))
+    table = BenchFile if options.file == "bench" else ScenarioFile
+    print(json.dumps(json_schema(table), indent=2))
     return OK

@@ -23,9 +23,6 @@ DEVICE = "one of `canopen-twin list`"
 SCENARIO = "a file, or the name of one that is shipped"
 PLOT = "draw the run: .png, .svg or .html (needs the extra `plot`)"
 
-Command = Callable[[argparse.Namespace], int]
-"""Takes the parsed options and returns the exit code; a parser has it as its default `command`."""
-
 
 class Parser(argparse.ArgumentParser):
     """The parser of a command, which is empty until the command is chosen."""

@@ -30,8 +30,8 @@ def replay(options: argparse.Namespace) -> int:
         log.warning("%s was made with %s", options.record, others)
     with TemporaryDirectory() as folder:
         anew = Path(folder) / "replay"
-        scenario = recorded.scenario.read_bytes() if recorded.about.scenario else None
-        with record(anew, recorded.about, scenario) as observer:
+        scenario = recorded.scenario.read_bytes() if recorded.manifest.scenario else None
+        with record(anew, recorded.manifest, scenario) as observer:
             watched = [plot.begin] if plot else []
             reproduce(recorded, [observer, print_frames(sys.stdout), *watched])
         same, told = differences(Side.of("record", options.record), Side.of("replay", anew))

@@ -103,14 +103,14 @@ def recording(
         yield observers
         return
     # a run that keeps nothing starts without pydantic
-    from canopen_twins.record import about, record, trace_file  # noqa: PLC0415
+    from canopen_twins.record import Manifest, record, trace_file  # noqa: PLC0415
 
     with ExitStack() as stack:
         if options.trace is not None:
             observers.append(stack.enter_context(trace_file(options.trace)))
         if options.record is not None:
-            told, text = about(kind, scenario, participants), None
+            manifest, text = Manifest.of(kind, scenario, participants), None
             if scenario is not None:
                 text = stack.enter_context(found(str(scenario.file))).read_bytes()
-            observers.append(stack.enter_context(record(options.record, told, text)))
+            observers.append(stack.enter_context(record(options.record, manifest, text)))
         yield observers

@@ -129,7 +129,7 @@ def _participants(options: argparse.Namespace, scenario: Scenario | None) -> dic
     Raises:
         UserError: there is no such device or file, or it cannot be as it is told to be.
     """
-    if options.device is not None and _is_file(options.device):
+    if "/" in (options.device or "") or str(options.device).endswith((".yaml", ".yml")):
         _refuse(options, options.device, (*OF_ONE_DEVICE, "scenario"))
         return _delivered(_of_bench(options.device))
     if scenario is not None:
@@ -139,10 +139,6 @@ def _participants(options: argparse.Namespace, scenario: Scenario | None) -> dic
         hint = f"say which device, or --scenario with a file that does{taken}"
         raise UserError(f"nothing to run: {hint}")
     return {options.device: _equipped(options, NodeSpec(devices.find(options.device), {}))}
-
-
-def _is_file(name: str) -> bool:
-    return "/" in name or name.endswith((".yaml", ".yml"))
 
 
 def _of_bench(name: str) -> Mapping[str, NodeSpec]:

@@ -9,7 +9,6 @@ from canopen.objectdictionary.datatypes import BOOLEAN, FLOAT_TYPES, INTEGER_TYP
 
 from canopen_twins import devices
 from canopen_twins.bench.bench import Bench
-from canopen_twins.bus.frame import Frame
 from canopen_twins.cli.command import OK, Parser, add_device, device_settings
 from canopen_twins.cli.devices import TYPES
 from canopen_twins.device.node import wait_for_boot
@@ -19,7 +18,6 @@ from canopen_twins.files.convert import convert
 from canopen_twins.scenario.targets import Targets
 from canopen_twins.slave.object import Address, Entry
 
-START = 0x01
 KINDS = {
     **dict.fromkeys(INTEGER_TYPES, int),
     **dict.fromkeys(FLOAT_TYPES, float),
@@ -49,7 +47,7 @@ def why(options: argparse.Namespace) -> int:
         for moment in ("after boot-up", "in operational"):
             bench = _booted(options)
             if moment == "in operational":
-                bench.put(Frame(0x000, bytes([START, bench.twin.node.node_id])))
+                bench.send(f"000#01{bench.twin.node.node_id:02X}")  # NMT: start
             lines.append(f"{value} {moment}: {_answer(bench, target.address, value.strip())}")
     print("\n".join(lines))
     return OK

@@ -10,10 +10,9 @@ from pathlib import Path
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
-from canopen_twins.record.plot.observer import Observer
 from canopen_twins.record.plot.page import page
-from canopen_twins.record.plot.run import Run
-from canopen_twins.scenario.player import Player
+from canopen_twins.record.plot.run import Run, Sampler
+from canopen_twins.scenario import Player
 
 __all__ = ["Plot"]
 
@@ -32,11 +31,11 @@ class Plot:
             raise UserError(f"{path}: there is no directory {path.parent}")
         self._path = path
         self._draw = _drawing()
-        self._observers: list[Observer] = []
+        self._samplers: list[Sampler] = []
 
     def begin(self, segment: Segment[Node], player: Player | None) -> None:
-        """Look at the nodes of a segment from now on; an observer of `play` and of `again`."""
-        self._observers.append(Observer(segment, player))
+        """Look at the nodes of a segment from now on; an observer of `play` and of `reproduce`."""
+        self._samplers.append(Sampler(segment, player))
 
     def save(self) -> None:
         """Write the file.
@@ -50,8 +49,8 @@ class Plot:
             raise UserError(f"{self._path} cannot be written: {failure.strerror}") from failure
 
     def _content(self) -> bytes:
-        (observer,) = self._observers
-        run = observer.run
+        (sampler,) = self._samplers
+        run = sampler.run
         if self._suffix == ".html":
             return page(run, self._draw(run, "svg").decode()).encode()
         return self._draw(run, self._suffix[1:])

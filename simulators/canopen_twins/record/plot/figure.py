@@ -3,8 +3,9 @@
 import warnings
 from collections.abc import Iterator
 from io import BytesIO
+from itertools import accumulate
 from textwrap import shorten
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TypeAlias
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
@@ -15,14 +16,15 @@ from canopen_twins.record.plot.panels import (
     Emergencies,
     Expectations,
     Faults,
+    Heading,
+    Lanes,
     Legend,
     States,
+    printable,
 )
-from canopen_twins.record.plot.run import Run, View
+from canopen_twins.record.plot.run import Run
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
+Panel: TypeAlias = CurvePanel | Heading | Lanes
 
 LONGEST = 90  # letters of a title
 UNDATED = {
@@ -31,109 +33,56 @@ UNDATED = {
 }
 
 
-class Panel(Protocol):
-    """A strip of the picture that shares the time axis."""
-
-    @property
-    def height(self) -> float:
-        """Inches."""
-
-    def draw(self, axes: "Axes") -> None:
-        """Into axes of this height."""
-
-
-class Placed(NamedTuple):
-    """A panel, and where it begins."""
-
-    panel: Panel
-    top: float
-    """Inches from the top of the picture."""
-
-    @property
-    def bottom(self) -> float:
-        """Inches from the top of the picture."""
-        return self.top + self.panel.height
-
-
 def picture(run: Run, suffix: str) -> bytes:
     """The content of a file, `svg` or `png`."""
     with mpl.rc_context(), warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph")  # a name may have letters of any kind
         mpl.rcdefaults()
         mpl.rcParams.update(look.STYLE)
-        figure = drawn(run)
+        figure = _drawn(run)
         dots = min(look.RESOLUTION, look.HIGHEST / figure.get_figheight())
         file = BytesIO()
         figure.savefig(file, format=suffix, dpi=dots, metadata=UNDATED[suffix])
     return file.getvalue()
 
 
-def drawn(run: Run) -> Figure:
-    """Everything in its place."""
-    placed = list(_placed(run))
-    figure = Figure(figsize=(look.WIDTH, placed[-1].bottom + look.BOTTOM))
-    _write(figure, look.HEADING, shorten(_printable(run.heading), LONGEST), look.LARGE)
+def _drawn(run: Run) -> Figure:
+    panels = list(_panels(run))
+    tops = list(accumulate((panel.height + look.GAP for panel in panels), initial=look.TOP))
+    figure = Figure(figsize=(look.WIDTH, tops[-2] + panels[-1].height + look.BOTTOM))
+    _write(figure, look.HEADING, shorten(printable(run.heading), LONGEST), look.LARGE)
     _write_verdict(figure, run)
-    for each in placed:
-        axes = _axes(figure, each)
+    for panel, top in zip(panels, tops, strict=False):
+        axes = figure.add_axes(_place(figure, top, panel.height))
         axes.set_xlim(0, run.duration)
-        last = each is placed[-1]
+        last = panel is panels[-1]
         axes.tick_params(bottom=last, labelbottom=last)
-        each.panel.draw(axes)
+        panel.draw(axes)
     axes.set_xlabel("time [s]")
     return figure
 
 
-def _placed(run: Run) -> Iterator[Placed]:
-    """The verdict first, then every node."""
-    top = look.TOP
-    for panel in _panels(run):
-        yield Placed(panel, top)
-        top += panel.height + look.GAP
-
-
 def _panels(run: Run) -> Iterator[Panel]:
+    """The verdict first, then every node."""
     if run.outcomes:
         yield Expectations(run)
-    for view in run.views:
-        yield Heading(view)
-        yield from (CurvePanel(run, view, strip) for strip in view.strips)
-        if view.emergencies:
-            yield Emergencies(run, view)
-        if run.faults(view):
-            yield Faults(run, view)
-        states = States(run, view)
+    for node in run.nodes:
+        yield Heading(node)
+        yield from (CurvePanel(run, node, curve) for curve in node.curves)
+        if node.emergencies:
+            yield Emergencies(run, node)
+        if run.faults(node):
+            yield Faults(run, node)
+        states = States(run, node)
         yield Legend(run, states)
         yield states
 
 
-class Heading:
-    """The name of a node."""
-
-    height = look.LANE
-
-    def __init__(self, view: View) -> None:
-        self.title = _printable(view.title)
-
-    def draw(self, axes: "Axes") -> None:
-        """Over the full width."""
-        axes.set_axis_off()
-        axes.text(
-            (look.MARGIN - look.LEFT) / look.AXIS,
-            0,
-            self.title,
-            size=look.MEDIUM,
-            weight="bold",
-            va="bottom",
-            transform=axes.transAxes,
-        )
-
-
-def _axes(figure: Figure, placed: Placed) -> "Axes":
+def _place(figure: Figure, top: float, tall: float) -> tuple[float, float, float, float]:
+    """In parts of the picture, of a panel that is so many inches tall and as far from its top."""
     height = figure.get_figheight()
-    left, width = look.LEFT / look.WIDTH, look.AXIS / look.WIDTH
-    bottom, tall = 1 - placed.bottom / height, placed.panel.height / height
-    return figure.add_axes((left, bottom, width, tall))
+    bottom = 1 - (top + tall) / height
+    return look.LEFT / look.WIDTH, bottom, look.AXIS / look.WIDTH, tall / height
 
 
 def _write(figure: Figure, bottom: float, text: str, size: float, colour: str = look.INK) -> None:
@@ -147,10 +96,6 @@ def _write_verdict(figure: Figure, run: Run) -> None:
     if run.verdict is None:
         _write(figure, look.VERDICT, "no scenario", look.MEDIUM)
         return
-    told = _printable(str(run.verdict).splitlines()[0])
+    told = printable(str(run.verdict).splitlines()[0])
     colour = look.PASSED if run.verdict.ok else look.FAILED
     _write(figure, look.VERDICT, told, look.MEDIUM, colour)
-
-
-def _printable(text: str) -> str:
-    return "".join(letter if letter.isprintable() else " " for letter in text)

@@ -2,15 +2,23 @@
 
 import json
 from collections.abc import Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, TextIO
 
+from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.segment import Segment
+from canopen_twins.device.node import Node
+from canopen_twins.diagnosis.decoder import Decoder
 from canopen_twins.errors import UserError
+from canopen_twins.scenario import Event, Player
+from canopen_twins.scenario.matchers import EmcyLike
+from canopen_twins.slave.service import State
 
 LONGEST_LINE = 1 << 20  # characters
 FOREVER = 1e9  # seconds; no run is longer
 HEARD, STATE, END = "heard", "state", "end"
-
+EMCY = EmcyLike()
 PHRASES = {
     HEARD: "heard {frame}",
     STATE: "{state}",
@@ -50,13 +58,6 @@ class EventLine(NamedTuple):
         return {**self.fields, "parameters": told}
 
 
-def write_event(file: TextIO, event: EventLine) -> None:
-    """Add a line, which is the same for the same event."""
-    time, kind, node, fields = event
-    line = {**fields, "time": time, "kind": kind, "node": node}
-    file.write(json.dumps(line, sort_keys=True, default=str) + "\n")
-
-
 def read_events(path: Path) -> Iterator[EventLine]:
     """Every line of a file.
 
@@ -81,3 +82,45 @@ def _event(where: str, line: str) -> EventLine:
         return EventLine(time, kind, node, fields)
     except (ValueError, TypeError, AttributeError, KeyError, RecursionError):
         raise UserError(f"{where} is damaged: it is no event") from None
+
+
+class Journal:
+    """Writes down what happens on a segment beside the frames; it never acts on it."""
+
+    def __init__(self, file: TextIO, segment: Segment[Node], player: Player | None) -> None:
+        self._file = file
+        self._clock = segment.clock
+        self._nodes = {node.wire.name: node for node in segment.nodes}
+        self._decoder = Decoder(segment.nodes)
+        self._hear_states = {name: partial(self._hear_state, name) for name in self._nodes}
+        segment.listeners.append(self._hear)
+        for name, node in self._nodes.items():
+            node.listeners.append(self._hear_states[name])
+        if player is not None:
+            player.listeners.append(self._hear_player)
+
+    def end(self) -> None:
+        """The run is over."""
+        self._note(END)
+
+    def close(self) -> None:
+        """Listen no more."""
+        for name, node in self._nodes.items():
+            node.listeners.remove(self._hear_states[name])
+
+    def _hear(self, frame: Frame, sender: str) -> None:
+        if not sender:
+            self._note(HEARD, frame=str(frame))
+        if sender in self._nodes and EMCY.fits(frame, self._nodes[sender]):
+            self._note("emcy", sender, frame=str(frame), words=self._decoder.words(frame))
+
+    def _hear_state(self, name: str, state: State) -> None:
+        self._note(STATE, name, state=state.lower())
+
+    def _hear_player(self, event: Event) -> None:
+        if event.kind != STATE:  # nodes tell their states themselves
+            self._note(event.kind, event.node, **event.fields)
+
+    def _note(self, kind: str, node: str = "", **fields: object) -> None:
+        line = {**fields, "time": self._clock.now, "kind": kind, "node": node}
+        self._file.write(json.dumps(line, sort_keys=True, default=str) + "\n")

@@ -1,27 +1,62 @@
-"""A record as it is read: everything is looked at before anything is played."""
+"""The folder of a record: filled while a run goes on, and read to live through the run again."""
 
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import TextIO
 
 from canopen_twins import devices
-from canopen_twins import scenario as replay
 from canopen_twins.bus.clock import MICROSECONDS
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
 from canopen_twins.faults import connect
-from canopen_twins.record.about import About, digest, read_about, version_now
-from canopen_twins.record.events import END, HEARD, EventLine, read_events
-from canopen_twins.record.recorder import EVENTS, RUN, SCENARIO, TRACE
+from canopen_twins.files.whole import folder_part
+from canopen_twins.record.journal import END, HEARD, EventLine, Journal, read_events
+from canopen_twins.record.manifest import Manifest, digest, read_manifest, version_now
 from canopen_twins.record.trace import Observer, read_frames
-from canopen_twins.scenario import Player, begin, play
+from canopen_twins.scenario import Player, Scenario, begin, load, play, print_frames
 from canopen_twins.scenario.scenario import NodeSpec
+
+RUN, SCENARIO, TRACE, EVENTS = "run.json", "scenario.yaml", "trace.log", "events.jsonl"
+
+
+@contextmanager
+def record(folder: Path, manifest: Manifest, scenario: bytes | None) -> Iterator[Observer]:
+    """Fills a new folder; a run that is cut short leaves it under a name that ends in `.part`.
+
+    Raises:
+        UserError: there is something already, or it cannot be written.
+    """
+    with folder_part(folder) as part:
+        (part / RUN).write_text(manifest.text, "utf-8", newline="\n")
+        if scenario is not None:
+            (part / SCENARIO).write_bytes(scenario)
+        with _lines(part / TRACE) as trace, _lines(part / EVENTS) as events:
+            journals: list[Journal] = []
+
+            def attach(segment: Segment[Node], player: Player | None) -> None:
+                print_frames(trace)(segment, player)
+                journals.append(Journal(events, segment, player))
+
+            try:
+                yield attach
+                for journal in journals:
+                    journal.end()
+            finally:  # that the supply goes is no part of the run
+                for journal in journals:
+                    journal.close()
+
+
+def _lines(path: Path) -> TextIO:
+    """Each line is on its way to the disk when it is complete."""
+    return path.open("w", buffering=1, encoding="utf-8", newline="\n")
 
 
 class Recorded:
-    """The folder of a record.
+    """A record as it is read: everything is looked at before anything is played.
 
     Raises:
         UserError: something of it is missing, or run.json is damaged.
@@ -31,9 +66,10 @@ class Recorded:
         if not folder.is_dir():
             raise UserError(f"{folder} is no record: a record is a directory")
         self.folder = folder
-        self.about: About = read_about(folder / RUN)
+        self.manifest: Manifest = read_manifest(folder / RUN)
         self.trace, self._events = folder / TRACE, folder / EVENTS
-        for path in (self.trace, self._events, *([self.scenario] if self.about.scenario else [])):
+        played = [self.scenario] if self.manifest.scenario else []
+        for path in (self.trace, self._events, *played):
             if not path.is_file():
                 raise UserError(f"{path} is missing")
 
@@ -62,40 +98,37 @@ class Recorded:
             time = event.time
             if event.kind == END:
                 return time
-        for sent in read_frames(self.trace):
-            time = max(time, sent.tick / MICROSECONDS)
-        return time
+        return max([time, *(sent.tick / MICROSECONDS for sent in read_frames(self.trace))])
 
     @property
     def other_versions(self) -> str:
         """What it was made with and is not the same now, in words; empty if everything is."""
-        now = {name: version_now(name) for name in self.about.versions}
         return ", ".join(
-            f"{name} {then} (now {now[name]})"
-            for name, then in self.about.versions.items()
-            if then != now[name]
+            f"{name} {then} (now {now})"
+            for name, then in self.manifest.versions.items()
+            if then != (now := version_now(name))
         )
 
-    def load_scenario(self) -> replay.Scenario | None:
+    def load_scenario(self) -> Scenario | None:
         """The scenario, called as it was when it was recorded.
 
         Raises:
             UserError: it cannot be played any more, or a file that its settings name is another.
         """
-        for name, then in self.about.files.items():
+        for name, then in self.manifest.files.items():
             if not Path(name).is_file() or digest(Path(name)) != then:
                 raise UserError(f"{name} is not what it was when {self.folder} was recorded")
-        if self.about.scenario is None:
+        if self.manifest.scenario is None:
             return None
-        scenario = replay.load(self.scenario)
-        return replace(scenario, file=Path(self.about.scenario), nodes=self._nodes)
+        file = Path(self.manifest.scenario)
+        return replace(load(self.scenario), file=file, nodes=self._nodes)
 
     @property
     def _nodes(self) -> Mapping[str, NodeSpec]:
         """With every setting they had, so that no default of today matters."""
         return {
-            part.name: NodeSpec(devices.find(part.device), part.settings)
-            for part in self.about.nodes
+            node.name: NodeSpec(devices.find(node.device), node.settings)
+            for node in self.manifest.nodes
         }
 
 
@@ -106,16 +139,16 @@ def reproduce(recorded: Recorded, observers: Iterable[Observer]) -> None:
         UserError: the record is damaged, or there is no such device any more.
     """
     scenario = recorded.load_scenario()
-    if scenario is not None and recorded.about.kind == "play":
+    if scenario is not None and recorded.manifest.kind == "play":
         play(scenario, observers=observers)
         return
     segment: Segment[Node] = Segment()
-    heard = recorded.heard
-    nodes = {part.name: connect(segment, part.create(), part.name) for part in recorded.about.nodes}
-    player = Player(scenario, segment, nodes) if scenario else None
-    begin(segment, player, observers)
+    nodes = {
+        node.name: connect(segment, node.create(), node.name) for node in recorded.manifest.nodes
+    }
+    begin(segment, Player(scenario, segment, nodes) if scenario else None, observers)
     segment.deliver()
-    for time, frame in heard:
+    for time, frame in recorded.heard:
         segment.advance_to(time)
         segment.send(frame)
     segment.advance_to(recorded.end)
