@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import islice
@@ -49,11 +49,6 @@ class Side:
             return cls(name, recorded, recorded.trace)
         return cls(name, None, path)
 
-    @property
-    def frames(self) -> Iterator[TimedFrame]:
-        """Raises `UserError` where they cannot be read."""
-        return read_frames(self.trace)
-
     def tell(self, sent: TimedFrame) -> str:
         """A frame with its time, in words as far as the devices are known."""
         words = self._decoder.words(sent.frame)
@@ -90,7 +85,7 @@ def differences(left: Side, right: Side) -> tuple[bool, str]:
     Raises:
         UserError: one of them cannot be read to its end.
     """
-    frames = compare(left.frames, right.frames)
+    frames = compare(read_frames(left.trace), read_frames(right.trace))
     if frames:
         return False, "\n".join(_frames(frames, left, right))
     told = f"the same {_count(frames.common, 'frame')}"
@@ -135,11 +130,9 @@ def compare(left: Iterable[Item], right: Iterable[Item]) -> Difference[Item]:
 
 
 def _frames(found: Difference[TimedFrame], left: Side, right: Side) -> Iterator[str]:
-    if not found.common:
-        yield "not even the first frame is the same:"
-    else:
-        are = "is" if found.common == 1 else "are"
-        yield f"the first {_count(found.common, 'frame')} {are} the same:"
+    are = "is" if found.common == 1 else "are"
+    same = f"the first {_count(found.common, 'frame')} {are} the same:"
+    yield same if found.common else "not even the first frame is the same:"
     for sent in found.before:
         yield _line("", left.tell(sent))
     sides = (left, found.left), (right, found.right)
@@ -191,26 +184,22 @@ def _events(found: Difference[EventLine], left: Side, right: Side) -> Iterator[s
 
 def _inputs(left: Side, right: Side) -> Iterator[str]:
     """What two records were made of: versions, seed, devices, settings, the scenario."""
-    if left.recorded is not None and right.recorded is not None:
-        lines = [
-            *_other_values(left, right, left.recorded.manifest, right.recorded.manifest),
-            *_other_line(left.recorded, right.recorded),
-        ]
-        yield from _block("what is not the same from the beginning:", lines)
+    if left.recorded is None or right.recorded is None:
+        return
+    ours, theirs = _leaves(left.recorded.manifest), _leaves(right.recorded.manifest)
+    pairs = {name: (ours.get(name, "none"), theirs.get(name, "none")) for name in ours | theirs}
+    lines = [
+        f"{name}: {_short(one)} in {left.name}, {_short(other)} in {right.name}"
+        for name, (one, other) in sorted(pairs.items())
+        if one != other
+    ]
+    lines += _other_line(left.recorded, right.recorded)
+    yield from _block("what is not the same from the beginning:", lines)
 
 
-def _other_values(left: Side, right: Side, one: Manifest, other: Manifest) -> Iterator[str]:
-    ours, theirs = _leaves(one), _leaves(other)
-    for name in sorted(ours.keys() | theirs.keys()):
-        a, b = ours.get(name, "none"), theirs.get(name, "none")
-        if a != b:
-            yield f"{name}: {_short(a)} in {left.name}, {_short(b)} in {right.name}"
-
-
-def _leaves(manifest: Manifest) -> Mapping[str, str]:
+def _leaves(manifest: Manifest) -> dict[str, str]:
     """What it says, each value by a name of its own."""
-    content = manifest.model_dump(include={"kind", "scenario", "seed"})
-    leaves: dict[str, object] = dict(content)
+    leaves: dict[str, object] = manifest.model_dump(include={"kind", "scenario", "seed"})
     leaves |= {f"version of {name}": number for name, number in manifest.versions.items()}
     leaves |= {f"content of {name}": digest for name, digest in manifest.files.items()}
     for node in manifest.nodes:

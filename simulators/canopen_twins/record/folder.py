@@ -1,6 +1,6 @@
 """The folder of a record: filled while a run goes on, and read to live through the run again."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -84,13 +84,6 @@ class Recorded:
         return read_events(self._events)
 
     @property
-    def heard(self) -> Iterator[tuple[float, Frame]]:
-        """The frames that came from outside, each with its time; raises as `events` does."""
-        for event in self.events:
-            if event.kind == HEARD:
-                yield event.time, Frame.parse(str(event.fields.get("frame")))
-
-    @property
     def end(self) -> float:
         """When the run was over, in seconds; of one that was cut short the last that is told."""
         time = 0.0
@@ -120,16 +113,11 @@ class Recorded:
                 raise UserError(f"{name} is not what it was when {self.folder} was recorded")
         if self.manifest.scenario is None:
             return None
-        file = Path(self.manifest.scenario)
-        return replace(load(self.scenario), file=file, nodes=self._nodes)
-
-    @property
-    def _nodes(self) -> Mapping[str, NodeSpec]:
-        """With every setting they had, so that no default of today matters."""
-        return {
+        nodes = {  # with every setting they had, so that no default of today matters
             node.name: NodeSpec(devices.find(node.device), node.settings)
             for node in self.manifest.nodes
         }
+        return replace(load(self.scenario), file=Path(self.manifest.scenario), nodes=nodes)
 
 
 def reproduce(recorded: Recorded, observers: Iterable[Observer]) -> None:
@@ -148,7 +136,8 @@ def reproduce(recorded: Recorded, observers: Iterable[Observer]) -> None:
     }
     begin(segment, Player(scenario, segment, nodes) if scenario else None, observers)
     segment.deliver()
-    for time, frame in recorded.heard:
-        segment.advance_to(time)
-        segment.send(frame)
+    for event in recorded.events:
+        if event.kind == HEARD:
+            segment.advance_to(event.time)
+            segment.send(Frame.parse(str(event.fields.get("frame"))))
     segment.advance_to(recorded.end)

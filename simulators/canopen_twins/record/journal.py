@@ -42,20 +42,14 @@ class EventLine(NamedTuple):
     fields: Mapping[str, Any]
 
     def __str__(self) -> str:
+        fields = dict(self.fields)
+        if isinstance(parameters := fields.get("parameters"), Mapping):  # as one would write them
+            fields["parameters"] = ", ".join(f"{key}={value}" for key, value in parameters.items())
         try:
-            told = PHRASES[self.kind].format(**self._words)
+            told = PHRASES[self.kind].format(**fields)
         except KeyError:  # a record of tomorrow, or of somebody else
             told = f"{self.kind} {json.dumps(self.fields)}"
         return f"{self.time:12.6f}  {self.node or '-':10}  {told}"
-
-    @property
-    def _words(self) -> Mapping[str, object]:
-        """The fields, parameters as one would write them down."""
-        parameters = self.fields.get("parameters")
-        if not isinstance(parameters, Mapping):
-            return self.fields
-        told = ", ".join(f"{key}={value}" for key, value in parameters.items())
-        return {**self.fields, "parameters": told}
 
 
 def read_events(path: Path) -> Iterator[EventLine]:

@@ -10,7 +10,7 @@ from importlib.metadata import PackageNotFoundError, entry_points, version
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ValidationError
 
 from canopen_twins import devices
 from canopen_twins.device.device import Device
@@ -26,29 +26,13 @@ PYTHON = "python"
 Value: TypeAlias = bool | int | float | str | None
 
 
-class Model(BaseModel):
-    """What stands in the file, and nothing else."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
-
-
-class Participant(Model):
+class Participant(BaseModel, frozen=True, extra="forbid", strict=True):
     """A node, as it was when its power came."""
 
     name: str
     device: str
     settings: dict[str, Value]
     memory: dict[str, dict[str, Any]]
-
-    @classmethod
-    def of(cls, name: str, device: Device) -> "Participant":
-        """Raises `UserError` for a device that cannot be had by a name."""
-        return cls(
-            name=name,
-            device=_name(type(device)),
-            settings=asdict(device.settings),
-            memory={section: dict(values) for section, values in device.memory.content.items()},
-        )
 
     def create(self) -> Device:
         """The same device once more, with its power off.
@@ -63,7 +47,7 @@ class Participant(Model):
         return device
 
 
-class Manifest(Model):
+class Manifest(BaseModel, frozen=True, extra="forbid", strict=True):
     """All that has to be known to live through a run again, beside its scenario and its events."""
 
     format: Literal[1] = 1
@@ -90,7 +74,7 @@ class Manifest(Model):
         Raises:
             UserError: a device that cannot be had by a name.
         """
-        nodes = [Participant.of(name, device) for name, device in participants.items()]
+        nodes = [_participant(name, device) for name, device in participants.items()]
         return cls(
             kind=kind,
             scenario=None if scenario is None else str(scenario.file),
@@ -158,12 +142,18 @@ def _versions(names: Iterable[str]) -> dict[str, str]:
     return {name: version_now(name) for name in (*PACKAGES, *sorted(owners), PYTHON)}
 
 
-def _name(kind: type[Device]) -> str:
+def _participant(name: str, device: Device) -> Participant:
+    memory = {section: dict(values) for section, values in device.memory.content.items()}
+    told = asdict(device.settings)
+    return Participant(name=name, device=_name(type(device)), settings=told, memory=memory)
+
+
+def _name(device: type[Device]) -> str:
     for name in devices.names():
         with suppress(UserError):  # one that is broken is somebody else
-            if devices.find(name) is kind:
+            if devices.find(name) is device:
                 return name
-    raise UserError(f"{kind.__name__} is no device of `canopen-twin list`: it has no record")
+    raise UserError(f"{device.__name__} is no device of `canopen-twin list`: it has no record")
 
 
 def _files(nodes: Iterable[Participant]) -> Iterator[str]:

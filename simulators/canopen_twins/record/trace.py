@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from io import TextIOWrapper
 from pathlib import Path
-from typing import IO, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import can
 from can.io.generic import BinaryIOMessageReader, MessageWriter, TextIOMessageReader
@@ -53,7 +53,7 @@ def read_frames(path: Path) -> Iterator[TimedFrame]:
         raise UserError(f"{path} is not there")
     reader = READERS[suffixes[-1]]
     try:
-        with _opened(path) as packed:
+        with gzip.open(path) if path.suffix == PACKED else path.open("rb") as packed:
             is_text = issubclass(reader, TextIOMessageReader)
             file: Any = Lines(packed, "utf-8") if is_text else packed
             yield from (_timed(each) for each in reader(file) if not each.is_error_frame)
@@ -72,10 +72,6 @@ class Lines(TextIOWrapper):
         if not line:
             raise StopIteration
         return line
-
-
-def _opened(path: Path) -> IO[bytes]:
-    return gzip.open(path) if path.suffix == PACKED else path.open("rb")  # type: ignore[return-value]
 
 
 def _timed(message: can.Message) -> TimedFrame:
@@ -119,11 +115,6 @@ def _message(frame: Frame, time: float, heard: bool) -> can.Message:
         channel=CHANNEL,
         data=frame.data,
     )
-
-
-def _log(part: Path, path: Path) -> MessageWriter:
-    """Lines of `candump -L`, with T or R at their end."""
-    return can.CanutilsLogWriter(part, channel=CHANNEL)
 
 
 def _asc(part: Path, path: Path) -> MessageWriter:
@@ -178,7 +169,7 @@ class Trc(can.TRCWriter):
 
 
 WRITERS: Mapping[str, Callable[[Path, Path], MessageWriter]] = {
-    ".log": _log,
+    ".log": lambda part, _: can.CanutilsLogWriter(part, channel=CHANNEL),
     ".asc": _asc,
     ".blf": _blf,
     ".trc": Trc,

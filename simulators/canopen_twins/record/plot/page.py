@@ -6,7 +6,6 @@ from html import escape
 
 from canopen_twins.record.plot.run import MOST_MARKS, Run
 from canopen_twins.record.plot.track import Span
-from canopen_twins.scenario import Verdict
 
 HEAD = """\
 <!DOCTYPE html>
@@ -42,16 +41,13 @@ def page(run: Run, svg: str) -> str:
 
 
 def _sections(run: Run) -> Iterator[str]:
-    if run.verdict is not None:
-        yield f"<h2>Verdict</h2>\n<pre>{escape(_told(run.verdict))}</pre>\n"
+    if (verdict := run.verdict) is not None:
+        lines = str(verdict).splitlines()
+        more = [f"... and {len(lines) - MOST_LINES} lines more"] if len(lines) > MOST_LINES else []
+        told = "\n".join([*lines[:MOST_LINES], *more])
+        yield f"<h2>Verdict</h2>\n<pre>{escape(told)}</pre>\n"
     yield from _emergencies(run)
     yield from _faults(run)
-
-
-def _told(verdict: Verdict) -> str:
-    lines = str(verdict).splitlines()
-    more = [f"... and {len(lines) - MOST_LINES} lines more"] if len(lines) > MOST_LINES else []
-    return "\n".join([*lines[:MOST_LINES], *more])
 
 
 def _emergencies(run: Run) -> Iterator[str]:

@@ -1,7 +1,6 @@
 """A run as it is seen: its nodes after each moment at which something happened, and its verdict."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from math import isfinite
 from typing import Any, NamedTuple
 
@@ -111,46 +110,7 @@ def _short(words: str) -> str:
     return words.removesuffix("()")
 
 
-@dataclass(frozen=True)
 class Run:
-    """What was seen, and what it was judged to be."""
-
-    name: str
-    verdict: Verdict | None
-    """None: there was no scenario."""
-    nodes: Sequence[NodeHistory]
-    duration: float
-    """Seconds."""
-
-    @property
-    def heading(self) -> str:
-        """What was played, or else who took part."""
-        return self.name or "; ".join(node.title for node in self.nodes)
-
-    @property
-    def outcomes(self) -> Sequence[Outcome]:
-        """Of the verdict."""
-        return () if self.verdict is None else self.verdict.outcomes
-
-    @property
-    def failed(self) -> Sequence[Outcome]:
-        """What did not come, or could not be carried out; the first of them if they are a crowd."""
-        bad = (each for each in self.outcomes if each.kind in (Kind.FAIL, Kind.ERROR))
-        return sorted(bad, key=lambda each: each.time)[:MOST_MARKS]
-
-    def faults(self, node: NodeHistory) -> Sequence[tuple[str, Span]]:
-        """The faults of a node with their times, in the order in which they came."""
-        found = [
-            (name, span)
-            for name, track in node.faults.items()
-            for span, active in track.spans(self.duration)
-            if active
-        ]
-        found += [(name, Span(time, time)) for name, time in node.blows]
-        return sorted(found, key=lambda each: each[1])
-
-
-class Sampler:
     """Looks at the nodes of a segment from before anything has happened; leaves no trace.
 
     Between two moments of the clock nothing changes but by a frame from outside, so nothing escapes
@@ -173,12 +133,37 @@ class Sampler:
         return max(self._clock.ticks - self._begin, GRAIN) / MICROSECONDS
 
     @property
-    def run(self) -> Run:
-        """What there is to be drawn by now."""
-        if self._player is None:
-            return Run("", None, self.nodes, self.duration)
-        name, verdict = self._player.scenario.name, self._player.verdict
-        return Run(name, verdict, self.nodes, self.duration)
+    def heading(self) -> str:
+        """What is played, or else who takes part."""
+        name = "" if self._player is None else self._player.scenario.name
+        return name or "; ".join(node.title for node in self.nodes)
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """As it is by now; None if there is no scenario."""
+        return None if self._player is None else self._player.verdict
+
+    @property
+    def outcomes(self) -> Sequence[Outcome]:
+        """Of the verdict."""
+        return () if self._player is None else self._player.verdict.outcomes
+
+    @property
+    def failed(self) -> Sequence[Outcome]:
+        """What did not come, or could not be carried out; the first of them if they are a crowd."""
+        bad = (each for each in self.outcomes if each.kind in (Kind.FAIL, Kind.ERROR))
+        return sorted(bad, key=lambda each: each.time)[:MOST_MARKS]
+
+    def faults(self, node: NodeHistory) -> Sequence[tuple[str, Span]]:
+        """The faults of a node with their times, in the order in which they came."""
+        found = [
+            (name, span)
+            for name, track in node.faults.items()
+            for span, active in track.spans(self.duration)
+            if active
+        ]
+        found += [(name, Span(time, time)) for name, time in node.blows]
+        return sorted(found, key=lambda each: each[1])
 
     def _look(self) -> None:
         time = (self._clock.ticks - GRAIN - self._begin) / MICROSECONDS

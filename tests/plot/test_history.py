@@ -6,7 +6,7 @@ import pytest
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Segment
 from canopen_twins.faults import connect
-from canopen_twins.record.plot.run import MOST_MARKS, Sampler
+from canopen_twins.record.plot.run import MOST_MARKS, Run
 from canopen_twins.scenario import load, play
 
 from .conftest import Meter
@@ -22,7 +22,7 @@ def words(track):
 def test_a_run_that_is_looked_at_is_the_same_run(path):
     scenario, left_alone, looked_at = load(path), StringIO(), StringIO()
     verdict = play(scenario, left_alone)
-    assert play(scenario, looked_at, observers=[Sampler]) == verdict
+    assert play(scenario, looked_at, observers=[Run]) == verdict
     assert looked_at.getvalue() == left_alone.getvalue()
 
 
@@ -57,7 +57,7 @@ def test_without_power_there_is_nothing(observed):
 def test_what_a_frame_from_outside_does_to_a_device_at_rest_is_seen():
     segment = Segment()
     node = connect(segment, Meter(node_id=5), "meter")
-    observer = Sampler(segment, None)
+    observer = Run(segment, None)
     node.power_on()
     segment.deliver()
     for time, frame in [(10, "000#0105"), (20, "605#2B00210007000000"), (30, "000#0205")]:
@@ -121,7 +121,7 @@ def test_a_storm_of_emergencies_is_counted(observed):
 def test_a_device_at_rest_is_not_looked_at(story):
     looks = []
 
-    class Counting(Sampler):
+    class Counting(Run):
         def _look(self):
             looks.append(self.duration)
             super()._look()
