@@ -324,3 +324,15 @@ class Node:
             self._stack.close()
             self.wire.events.add_state(State.INITIALISING)
             self._stack = None
+
+
+def wait_for_boot(nodes: Sequence[Node], advance: Callable[[float], None]) -> bool:
+    """Let time pass, by what takes seconds of it, until all have booted; whether they have.
+
+    A device that has not booted after a minute never will with the settings it has.
+    """
+    for _ in range(600):
+        if all(node.slave is not None for node in nodes):
+            return True
+        advance(0.1)
+    return False

@@ -1,4 +1,4 @@
-"""Versions of everything that has a say in what is on a bus."""
+"""run.json of a record: who took part, with which settings, memory and versions of everything."""
 
 import json
 import platform
@@ -10,53 +10,23 @@ from importlib.metadata import PackageNotFoundError, entry_points, version
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ValidationError
 
 from canopen_twins import devices
 from canopen_twins.device.device import Device
-from canopen_twins.devices import GROUP
 from canopen_twins.errors import UserError
 from canopen_twins.scenario import Scenario
 from canopen_twins.slave.memory import Memory
 
-PACKAGES = ("canopen-twins", "canopen", "python-can")
-PYTHON = "python"
-
-
-def versions(devices: Iterable[str]) -> dict[str, str]:
-    """By the names of packages, also of those that bring some of the devices."""
-    owners = {
-        entry.dist.name
-        for name in devices
-        for entry in entry_points(group=GROUP, name=name)
-        if entry.dist is not None
-    }
-    return {name: version_now(name) for name in (*PACKAGES, *sorted(owners), PYTHON)}
-
-
-def version_now(name: str) -> str:
-    """The version of a package, or of Python, that is here."""
-    if name == PYTHON:
-        return platform.python_version()
-    try:
-        return version(name)
-    except PackageNotFoundError:
-        return "none"
-
-
 FORMAT = 1  # of the whole record
 LARGEST_FILE = 1 << 23  # bytes; a memory is at most 1 MiB
+PACKAGES = ("canopen-twins", "canopen", "python-can")
+PYTHON = "python"
 
 Value: TypeAlias = bool | int | float | str | None
 
 
-class Model(BaseModel):
-    """What stands in the file, and nothing else."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
-
-
-class Part(Model):
+class Participant(BaseModel, frozen=True, extra="forbid", strict=True):
     """A node, as it was when its power came."""
 
     name: str
@@ -77,7 +47,7 @@ class Part(Model):
         return device
 
 
-class About(Model):
+class Manifest(BaseModel, frozen=True, extra="forbid", strict=True):
     """All that has to be known to live through a run again, beside its scenario and its events."""
 
     format: Literal[1] = 1
@@ -86,11 +56,33 @@ class About(Model):
     scenario: str | None
     """As the command named it."""
     seed: int | None
-    nodes: list[Part]
+    nodes: list[Participant]
     """In the order in which they hear a frame."""
     files: dict[str, str]
     """The files that settings name, and the SHA-256 of each."""
     versions: dict[str, str]
+
+    @classmethod
+    def of(
+        cls,
+        kind: Literal["play", "run"],
+        scenario: Scenario | None,
+        participants: Mapping[str, Device],
+    ) -> "Manifest":
+        """What there is to say before a run begins.
+
+        Raises:
+            UserError: a device that cannot be had by a name.
+        """
+        nodes = [_participant(name, device) for name, device in participants.items()]
+        return cls(
+            kind=kind,
+            scenario=None if scenario is None else str(scenario.file),
+            seed=None if scenario is None else scenario.seed,
+            nodes=nodes,
+            files={name: digest(Path(name)) for name in sorted(_files(nodes))},
+            versions=_versions(node.device for node in nodes),
+        )
 
     @property
     def text(self) -> str:
@@ -98,26 +90,7 @@ class About(Model):
         return json.dumps(self.model_dump(), indent=1, sort_keys=True) + "\n"
 
 
-def about(
-    kind: Literal["play", "run"], scenario: Scenario | None, participants: Mapping[str, Device]
-) -> About:
-    """What there is to say before a run begins.
-
-    Raises:
-        UserError: a device that cannot be had by a name.
-    """
-    parts = [_part(name, device) for name, device in participants.items()]
-    return About(
-        kind=kind,
-        scenario=None if scenario is None else str(scenario.file),
-        seed=None if scenario is None else scenario.seed,
-        nodes=parts,
-        files={name: digest(Path(name)) for name in sorted(_files(parts))},
-        versions=versions(part.device for part in parts),
-    )
-
-
-def read_about(path: Path) -> About:
+def read_manifest(path: Path) -> Manifest:
     """What a run.json says.
 
     Raises:
@@ -130,7 +103,9 @@ def read_about(path: Path) -> About:
         if isinstance(content, dict) and content.get("format", FORMAT) != FORMAT:
             told = content["format"]
             raise UserError(f"{path}: format {told!r} is unknown; this program reads {FORMAT}")
-        return About.model_validate(content)
+        return Manifest.model_validate(content)
+    except UserError:
+        raise
     except OSError as failure:
         raise UserError(f"{path}: {failure.strerror}") from failure
     except ValidationError as damage:
@@ -138,7 +113,7 @@ def read_about(path: Path) -> About:
         where = ".".join(map(str, first["loc"]))
         raise UserError(f"{path} is damaged: {where}: {first['msg']}") from damage
     except (ValueError, RecursionError) as damage:
-        raise damage if isinstance(damage, UserError) else _damaged(path, damage) from damage
+        raise UserError(f"{path} is damaged: {damage}") from damage
 
 
 def digest(path: Path) -> str:
@@ -146,29 +121,43 @@ def digest(path: Path) -> str:
     return sha256(path.read_bytes()).hexdigest()
 
 
-def _damaged(path: Path, damage: Exception) -> UserError:
-    return UserError(f"{path} is damaged: {damage}")
+def version_now(name: str) -> str:
+    """The version of a package, or of Python, that is here."""
+    if name == PYTHON:
+        return platform.python_version()
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "none"
 
 
-def _part(name: str, device: Device) -> Part:
-    return Part(
-        name=name,
-        device=_name(type(device)),
-        settings=asdict(device.settings),
-        memory={section: dict(values) for section, values in device.memory.content.items()},
-    )
+def _versions(names: Iterable[str]) -> dict[str, str]:
+    """By the names of packages, also of those that bring some of the devices."""
+    owners = {
+        entry.dist.name
+        for name in names
+        for entry in entry_points(group=devices.GROUP, name=name)
+        if entry.dist is not None
+    }
+    return {name: version_now(name) for name in (*PACKAGES, *sorted(owners), PYTHON)}
 
 
-def _name(kind: type[Device]) -> str:
+def _participant(name: str, device: Device) -> Participant:
+    memory = {section: dict(values) for section, values in device.memory.content.items()}
+    told = asdict(device.settings)
+    return Participant(name=name, device=_name(type(device)), settings=told, memory=memory)
+
+
+def _name(device: type[Device]) -> str:
     for name in devices.names():
         with suppress(UserError):  # one that is broken is somebody else
-            if devices.find(name) is kind:
+            if devices.find(name) is device:
                 return name
-    raise UserError(f"{kind.__name__} is no device of `canopen-twin list`: it has no record")
+    raise UserError(f"{device.__name__} is no device of `canopen-twin list`: it has no record")
 
 
-def _files(parts: Iterable[Part]) -> Iterator[str]:
-    for part in parts:
-        for value in part.settings.values():
+def _files(nodes: Iterable[Participant]) -> Iterator[str]:
+    for node in nodes:
+        for value in node.settings.values():
             if isinstance(value, str) and value and Path(value).is_file():
                 yield value

@@ -1,4 +1,4 @@
-"""The bus that the command line names: one of python-can, or one on a hub."""
+"""The bus of `run`: one of python-can, or one on a hub."""
 
 import argparse
 from collections.abc import Callable, Mapping
@@ -11,8 +11,9 @@ from can.util import load_config
 
 from canopen_twins.bus.hub.client import HubBus
 from canopen_twins.bus.hub.protocol import HubAddress
+from canopen_twins.cli.command import Parser
 from canopen_twins.errors import UserError
-from canopen_twins.live.line import OpenBus
+from canopen_twins.live.bus import OpenBus
 
 DEFAULT_BUS = "vcan0"  # on a hub
 
@@ -25,7 +26,16 @@ VIRTUAL: Mapping[str, Callable[[Mapping[str, Any]], bool]] = {
 """Interfaces of python-can behind which there may be no hardware, by their configuration."""
 
 
-class Place(NamedTuple):
+def add_bus(parser: Parser) -> None:
+    """A hub or a bus of python-can."""
+    text = f"join a hub (default: {Address()}); the bus is that of -c"
+    parser.add_argument("--hub", nargs="?", const="", metavar="HOST:PORT", help=text)
+    parser.add_argument(
+        "--real-bus", action="store_true", help="the bus may have real devices on it"
+    )
+
+
+class NamedBus(NamedTuple):
     """A bus that can be opened, again and again."""
 
     open: OpenBus
@@ -37,7 +47,7 @@ class Place(NamedTuple):
     """Whether nobody from another process can be on it."""
 
 
-def place(options: argparse.Namespace) -> Place:
+def named_bus(options: argparse.Namespace) -> NamedBus:
     """The bus of the options.
 
     Raises:
@@ -50,24 +60,21 @@ def place(options: argparse.Namespace) -> Place:
     return bus
 
 
-def _of_a_hub(options: argparse.Namespace) -> Place:
+def _of_a_hub(options: argparse.Namespace) -> NamedBus:
     if "interface" in options:
         raise UserError("--hub is a bus by itself: leave --interface out")
     address, name = HubAddress.parse(options.hub), getattr(options, "channel", DEFAULT_BUS)
     told = {"hub": str(address), "channel": name}
-    return Place(partial(_join, address, name), told, virtual=address.is_loopback)
+    return NamedBus(partial(_join, address, name), told, virtual=address.is_loopback)
 
 
-def _of_python_can(options: argparse.Namespace) -> Place:
+def _of_python_can(options: argparse.Namespace) -> NamedBus:
     config = _config(options)
     interface = config.get("interface")
-    virtual = interface is None or _virtual(str(interface), config)  # none: it will not open
+    known = VIRTUAL.get(str(interface))
+    virtual = interface is None if known is None else known(config)  # None: it will not open
     told = {"interface": interface, "channel": config.get("channel")}
-    return Place(partial(_open, options), told, virtual, interface == "virtual")
-
-
-def _virtual(interface: str, config: Mapping[str, Any]) -> bool:
-    return interface in VIRTUAL and VIRTUAL[interface](config)
+    return NamedBus(partial(_open, options), told, virtual, interface == "virtual")
 
 
 def _config(options: argparse.Namespace) -> Mapping[str, Any]:

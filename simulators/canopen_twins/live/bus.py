@@ -1,29 +1,32 @@
-"""A python-can bus that may fail: it is opened again and again, and frames get lost meanwhile."""
+"""A bus of python-can that may fail, or that may have somebody on it with one of our node ids."""
 
 import logging
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Container, Iterable
 from contextlib import suppress
 
 import can
 from can.interfaces.udp_multicast import UdpMulticastBus
 
 from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.identifiers import Cob, classify
 from canopen_twins.bus.python_can import frame_of, message_of
 from canopen_twins.errors import UserError
 
 log = logging.getLogger(__name__)
 
 OpenBus = Callable[[], can.BusABC]
+"""Opens a bus; again after it has failed."""
 
 FAILURES = (can.CanError, OSError)
 SHORTEST_PAUSE, LONGEST_PAUSE = 0.1, 5.0  # seconds until the next attempt to open the bus
 MOST_ECHOES = 256  # own frames that are waited for; older ones have been lost
+OWN = (Cob.EMCY, Cob.SDO_ANSWER, Cob.HEARTBEAT)  # what only the node itself sends
 
 
-class Line:
-    """What the nodes of a segment send and hear through the bus."""
+class ReopenedBus:
+    """Carries frames between nodes and a bus; they get lost while it fails and is opened again."""
 
     def __init__(self, open_bus: OpenBus) -> None:
         """Raises `UserError` if the bus cannot be opened."""
@@ -115,3 +118,40 @@ def _echoes(bus: can.BusABC) -> bool:
 
 def _words(failure: Exception) -> str:
     return str(failure) or type(failure).__name__
+
+
+def with_node_id_check(open_bus: OpenBus, node_ids: Iterable[int], seconds: float) -> OpenBus:
+    """The same bus, which is listened to for some seconds when it is opened for the first time.
+
+    Nothing is sent: a question by SDO would end a transfer that a master has under way. Whoever is
+    silent for all that time is not found.
+
+    Returns:
+        Opens the bus; raises `UserError` if there is such a node.
+    """
+    wanted = frozenset(node_ids)
+    left = [seconds]
+
+    def open_and_listen() -> can.BusABC:
+        bus = open_bus()
+        if left:
+            try:
+                _listen(bus, wanted, left.pop())
+            except BaseException:
+                bus.shutdown()
+                raise
+        return bus
+
+    return open_and_listen
+
+
+def _listen(bus: can.BusABC, wanted: Container[int], seconds: float) -> None:
+    end = time.monotonic() + seconds
+    while (left := end - time.monotonic()) > 0:
+        heard = bus.recv(left)
+        if heard is None or heard.is_extended_id or heard.is_remote_frame or heard.is_error_frame:
+            continue
+        known = classify(heard.arbitration_id)
+        if known is not None and known.cob in OWN and known.node_id in wanted:
+            sent = frame_of(heard)
+            raise UserError(f"node {known.node_id} is on the bus already: it has sent {sent}")

@@ -1,4 +1,4 @@
-"""What can go wrong: the faults of a device, and those that every device has, level by level."""
+"""faults: what can go wrong with a device, and with every device, level by level."""
 
 import argparse
 import json
@@ -7,6 +7,7 @@ from itertools import groupby
 
 from canopen_twins import devices
 from canopen_twins.bus.segment import Segment
+from canopen_twins.cli.command import DEVICE, OK, Parser
 from canopen_twins.device.device import Device
 from canopen_twins.device.faults import Fault, Parameter
 from canopen_twins.faults import AIM, connect
@@ -16,13 +17,21 @@ LONGEST_WORD = 0xFFFF
 HEADINGS = {"device": "Of this device:"}
 
 
+def add_faults(parser: Parser) -> None:
+    """faults."""
+    text = f"{DEVICE}; none: what every device has"
+    parser.add_argument("device", metavar="DEVICE", nargs="?", help=text)
+    parser.add_argument("--json", action="store_true", help="for programs")
+    parser.set_defaults(command=faults)
+
+
 def faults(options: argparse.Namespace) -> int:
     """Every fault with what a master should see of it and its parameters, as text or as JSON."""
     device = devices.create(options.device) if options.device else Device()
     known = connect(Segment(), device, "").faults.known
     if options.json:
         print(json.dumps({name: _fault_entry(fault) for name, fault in known.items()}, indent=2))
-        return 0
+        return OK
     for level, group in groupby(known.items(), key=lambda item: item[1].level):
         print(HEADINGS.get(level, f"Of every device, {level} level:"), end="\n\n")
         for name, fault in group:
@@ -30,7 +39,7 @@ def faults(options: argparse.Namespace) -> int:
         print()
     print("Which one is struck, wherever it says so above:", end="\n\n")
     _tell_parameters(AIM)
-    return 0
+    return OK
 
 
 def _tell(name: str, fault: Fault) -> None:

@@ -1,4 +1,4 @@
-"""What there is: devices, their objects, settings and EDS files."""
+"""list, eds, objects, settings: the devices there are, and what their files say."""
 
 import argparse
 import re
@@ -10,8 +10,8 @@ from typing import Any
 from canopen.objectdictionary import ODVariable
 
 from canopen_twins import devices
-from canopen_twins.cli.commands.chosen import chosen
-from canopen_twins.cli.commands.dcf import dcf
+from canopen_twins.cli.command import DEVICE, OK, Parser, add_device, device_settings
+from canopen_twins.device.dcf import dcf
 from canopen_twins.device.device import Device
 from canopen_twins.device.settings import about
 from canopen_twins.errors import UserError
@@ -21,25 +21,44 @@ from canopen_twins.slave.object import TYPES
 NAME = re.compile(r"^name: (.+)$", re.MULTILINE)
 
 
+def add_list(parser: Parser) -> None:
+    """list."""
+    text = "only the scenarios of this one"
+    parser.add_argument("device", metavar="DEVICE", nargs="?", help=text)
+    parser.set_defaults(command=list_all)
+
+
 def list_all(options: argparse.Namespace) -> int:
     """The devices, then their scenarios with their names, or those of one device alone."""
     if options.device:
         devices.find(options.device)
         _table(_stories(options.device))
-        return 0
+        return OK
     _table(_devices())
     for device in devices.names():
         if stories := list(_stories(device)):
             print()
             _table(stories)
-    return 0
+    return OK
+
+
+def add_objects(parser: Parser) -> None:
+    """objects."""
+    parser.add_argument("device", metavar="DEVICE", help=DEVICE)
+    parser.set_defaults(command=objects)
 
 
 def objects(options: argparse.Namespace) -> int:
     """Every entry of the object dictionary; defaults that depend on the node id are those of 1."""
     device = devices.create(options.device)
     _table([("object", "name", "type", "access", "default", "limits"), *_entries(device)])
-    return 0
+    return OK
+
+
+def add_settings(parser: Parser) -> None:
+    """settings."""
+    parser.add_argument("device", metavar="DEVICE", help=DEVICE)
+    parser.set_defaults(command=settings)
 
 
 def settings(options: argparse.Namespace) -> int:
@@ -53,17 +72,23 @@ def settings(options: argparse.Namespace) -> int:
         default = entry.default if isinstance(entry.default, str) else str(entry.default).lower()
         rows.append((entry.name, default, told.assumed, f"{told.text}{unit}{within}{live}"))
     _table(rows)
-    return 0
+    return OK
+
+
+def add_eds(parser: Parser) -> None:
+    """eds."""
+    add_device(parser)
+    parser.set_defaults(command=eds)
 
 
 def eds(options: argparse.Namespace) -> int:
     """The EDS as it is shipped; with settings the DCF of a device that has them."""
-    if given := chosen(options):
+    if given := device_settings(options):
         print(dcf(devices.create(options.device, **given)), end="")
-        return 0
+        return OK
     with od_file(devices.find(options.device).eds) as path:
         print(path.read_text("ascii"), end="")
-    return 0
+    return OK
 
 
 def _devices() -> Iterator[tuple[str, str]]:

@@ -1,4 +1,4 @@
-"""What an object is, where its manual says so, and whether a device takes a value and why not."""
+"""why: what an object is, where its manual says so, and whether a device takes a value."""
 
 import argparse
 import struct
@@ -10,15 +10,14 @@ from canopen.objectdictionary.datatypes import BOOLEAN, FLOAT_TYPES, INTEGER_TYP
 from canopen_twins import devices
 from canopen_twins.bench.bench import Bench
 from canopen_twins.bus.frame import Frame
-from canopen_twins.cli.commands.chosen import chosen
+from canopen_twins.cli.command import OK, Parser, add_device, device_settings
+from canopen_twins.device.node import wait_for_boot
 from canopen_twins.diagnosis.sections import sections
 from canopen_twins.errors import UserError
 from canopen_twins.files.convert import convert
 from canopen_twins.scenario.targets import Targets
 from canopen_twins.slave.object import TYPES, Address, Entry
 
-LONGEST_BOOT, GRAIN = 60.0, 0.1  # seconds
-START = 0x01
 KINDS = {
     **dict.fromkeys(INTEGER_TYPES, int),
     **dict.fromkeys(FLOAT_TYPES, float),
@@ -27,10 +26,18 @@ KINDS = {
 """What a value is by its data type; a text otherwise."""
 
 
-def explain(options: argparse.Namespace) -> int:
+def add_why(parser: Parser) -> None:
+    """why."""
+    add_device(parser)
+    text = "as `objects DEVICE` names it: 0x2014=7, 0x1018:02, 'Run command=1'"
+    parser.add_argument("object", metavar="OBJECT[=VALUE]", help=text)
+    parser.set_defaults(command=why)
+
+
+def why(options: argparse.Namespace) -> int:
     """Name, type, access, limits and section; with a value what a device answers to its write."""
     told, equals, value = options.object.partition("=")
-    device = devices.create(options.device, **chosen(options))
+    device = devices.create(options.device, **device_settings(options))
     target = Targets(device.dictionary()).named(told.strip())
     assert target.variable is not None  # named raises
     lines = _described(target.variable)
@@ -40,10 +47,10 @@ def explain(options: argparse.Namespace) -> int:
         for moment in ("after boot-up", "in operational"):
             bench = _booted(options)
             if moment == "in operational":
-                bench.put(Frame(0x000, bytes([START, bench.twin.node.node_id])))
+                bench.send(f"000#01{bench.twin.node.node_id:02X}")  # NMT: start
             lines.append(f"{value} {moment}: {_answer(bench, target.address, value.strip())}")
     print("\n".join(lines))
-    return 0
+    return OK
 
 
 def _described(variable: ODVariable) -> list[str]:
@@ -67,10 +74,8 @@ def _booted(options: argparse.Namespace) -> Bench:
     Raises:
         UserError: the device does not boot with these settings.
     """
-    bench = Bench.of({options.device: devices.create(options.device, **chosen(options))})
-    while bench.twin.node.slave is None and bench.clock.now < LONGEST_BOOT:
-        bench.run(GRAIN)
-    if bench.twin.node.slave is None:
+    bench = Bench.of({options.device: devices.create(options.device, **device_settings(options))})
+    if not wait_for_boot(bench.segment.nodes, bench.segment.advance):
         raise UserError(f"it does not boot: {bench.twin.node.device.silence or 'it is silent'}")
     return bench
 

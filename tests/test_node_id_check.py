@@ -4,7 +4,7 @@ from can.interfaces.virtual import VirtualBus, channels
 
 from canopen_twins.bus.frame import Frame
 from canopen_twins.errors import UserError
-from canopen_twins.live.node_id_check import looking
+from canopen_twins.live.bus import with_node_id_check
 
 PATIENCE = 5.0
 
@@ -40,7 +40,7 @@ def opened(bus, other):
                 )
             return mine
 
-        return looking(open_bus, [5, 9], seconds)
+        return with_node_id_check(open_bus, [5, 9], seconds)
 
     return opened
 
@@ -72,9 +72,9 @@ def test_it_is_asked_when_the_bus_is_opened_first_and_never_again(bus, other):
         heard.append(other.send(can.Message(arbitration_id=0x709, is_extended_id=False)))
         return mine
 
-    opening = looking(open_bus, [5], 0.01)
+    opening = with_node_id_check(open_bus, [5], 0.01)
     opening().shutdown()  # node 9 is somebody else
-    again = looking(open_bus, [9], PATIENCE)
+    again = with_node_id_check(open_bus, [9], PATIENCE)
     with pytest.raises(UserError):
         again()
     again().shutdown()  # a bus that failed is opened again: what is there now is ours, too

@@ -10,13 +10,12 @@ from canopen.objectdictionary import ODVariable
 
 from canopen_twins.bus.clock import Clock
 from canopen_twins.device.device import Device
-from canopen_twins.device.node import Node
+from canopen_twins.device.node import Node, wait_for_boot
 from canopen_twins.errors import UserError
 from canopen_twins.files.shipped import od_file
 from canopen_twins.slave.object import Entry
 from canopen_twins.slave.slave import Slave
 
-LONGEST_BOOT, GRAIN = 60.0, 0.1  # seconds
 COMMUNICATION_AREA = range(0x1000, 0x2000)
 ERRORS = (0x1001, 0x1003)
 ENTRY = re.compile(r"([0-9A-F]{4})sub([0-9A-F]+)")
@@ -45,9 +44,7 @@ def dcf(device: Device) -> str:
 def _booted(device: Device) -> Slave:
     node = Node(device, Clock())
     node.power_on()
-    while node.slave is None and node.clock.now < LONGEST_BOOT:
-        node.clock.advance(GRAIN)
-    if node.slave is None:
+    if not wait_for_boot([node], node.clock.advance) or node.slave is None:
         raise UserError("with these settings it does not boot")
     return node.slave
 

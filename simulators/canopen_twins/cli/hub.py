@@ -1,4 +1,4 @@
-"""A CAN bus without vcan: a hub that every process may join."""
+"""hub: a CAN bus without vcan, which every process may join."""
 
 import argparse
 import json
@@ -6,9 +6,16 @@ import logging
 
 from canopen_twins.bus.hub.protocol import HubAddress
 from canopen_twins.bus.hub.server import serve_hub
-from canopen_twins.cli.commands.signals import signals
+from canopen_twins.cli.command import Parser, catch_signals
 
 log = logging.getLogger(__name__)
+
+
+def add_hub(parser: Parser) -> None:
+    """hub."""
+    text = f"where (default: {Address()})"
+    parser.add_argument("--listen", default="", metavar="HOST:PORT", help=text)
+    parser.set_defaults(command=hub)
 
 
 def hub(options: argparse.Namespace) -> int:
@@ -16,9 +23,9 @@ def hub(options: argparse.Namespace) -> int:
     address = HubAddress.parse(options.listen)
     if not address.is_loopback:
         log.warning("whoever reaches %s can read and write: there is no password", address)
-    with signals() as wishes:
-        serve_hub(address, lambda: bool(wishes), _tell)
-        return wishes.code
+    with catch_signals() as signals:
+        serve_hub(address, lambda: bool(signals), _tell)
+        return signals.code
 
 
 def _tell(address: HubAddress) -> None:
