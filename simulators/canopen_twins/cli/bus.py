@@ -28,7 +28,7 @@ VIRTUAL: Mapping[str, Callable[[Mapping[str, Any]], bool]] = {
 
 def add_bus(parser: Parser) -> None:
     """A hub or a bus of python-can."""
-    text = f"join a hub (default: {Address()}); the bus is that of -c"
+    text = f"join a hub (default: {HubAddress()}); the bus is that of -c"
     parser.add_argument("--hub", nargs="?", const="", metavar="HOST:PORT", help=text)
     parser.add_argument(
         "--real-bus", action="store_true", help="the bus may have real devices on it"

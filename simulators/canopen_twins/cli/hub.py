@@ -13,7 +13,7 @@ log = logging.getLogger(__name__)
 
 def add_hub(parser: Parser) -> None:
     """hub."""
-    text = f"where (default: {Address()})"
+    text = f"where (default: {HubAddress()})"
     parser.add_argument("--listen", default="", metavar="HOST:PORT", help=text)
     parser.set_defaults(command=hub)
 

@@ -9,7 +9,6 @@ from canopen.objectdictionary.datatypes import BOOLEAN, FLOAT_TYPES, INTEGER_TYP
 
 from canopen_twins import devices
 from canopen_twins.bench.bench import Bench
-from canopen_twins.bus.frame import Frame
 from canopen_twins.cli.command import OK, Parser, add_device, device_settings
 from canopen_twins.device.node import wait_for_boot
 from canopen_twins.diagnosis.sections import sections

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from canopen_twins.bus.clock import Timer
+from canopen_twins.bus.identifiers import NODE_IDS
 from canopen_twins.device import (
     Abort,
     Address,
@@ -19,7 +20,6 @@ from canopen_twins.device import (
 from canopen_twins.devices.charger.settings import Settings
 from canopen_twins.errors import UserError
 from canopen_twins.slave.lss import Stored
-from canopen_twins.slave.service import NODE_IDS
 
 HEARTBEAT = (0x1017, 0x00)
 HEARTBEAT_STEP = 100  # ms, and the shortest time
