@@ -1,7 +1,9 @@
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from played import Played, player
 from probe import Probe
 
 from canopen_twins import Bench
@@ -34,3 +36,9 @@ def operational(bench) -> Bench:
     """The same, in Operational."""
     bench.send("000#0105")
     return bench
+
+
+@pytest.fixture(scope="session")
+def played(tmp_path_factory) -> Callable[[Path], Played]:
+    """The run of a shipped scenario; who asks belongs to the group of those that share them."""
+    return player(tmp_path_factory.mktemp("played"))
