@@ -1,6 +1,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import canopen
 import pytest
 from hypothesis import settings
 from played import Played, player
@@ -42,3 +43,12 @@ def operational(bench) -> Bench:
 def played(tmp_path_factory) -> Callable[[Path], Played]:
     """The run of a shipped scenario; who asks belongs to the group of those that share them."""
     return player(tmp_path_factory.mktemp("played"))
+
+
+@pytest.fixture
+def quick_to_disconnect(monkeypatch) -> None:
+    """A canopen network in real time that is gone at once: it waits for a cycle of its notifier.
+
+    For the tests that ask for it only: in simulated time an hour has 360,000 of these cycles.
+    """
+    monkeypatch.setattr(canopen.Network, "NOTIFIER_CYCLE", 0.01)
