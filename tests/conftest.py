@@ -13,6 +13,8 @@ from canopen_twins import Bench
 
 pytest_plugins = ["pytester"]
 
+WITH_RUNS = ("tests/test_every_scenario.py", "tests/test_coverage.py")  # the fixture `played`
+
 # what one process of a run has compiled, no other has to: there are two hundred of them
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
@@ -26,6 +28,21 @@ def pytest_collection_finish() -> None:
     gc.collect()
     gc.freeze()
     gc.set_threshold(20_000, 20, 20)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """One worker has all tests that look at the runs of shipped scenarios, and begins with them.
+
+    The groups of pytest-xdist 3.8 are of no effect with pytest 9.2.
+    """
+    from xdist.scheduler import LoadScopeScheduling  # noqa: PLC0415
+
+    class Scheduling(LoadScopeScheduling):
+        def _split_scope(self, nodeid):
+            return "shipped scenarios" if nodeid.startswith(WITH_RUNS) else nodeid
+
+    return Scheduling(config, log)
 
 
 @pytest.fixture
@@ -53,7 +70,7 @@ def operational(bench) -> Bench:
 
 @pytest.fixture(scope="session")
 def played(tmp_path_factory) -> Callable[[Path], Played]:
-    """The run of a shipped scenario; who asks belongs to the group of those that share them."""
+    """The run of a shipped scenario; who asks for it stands in WITH_RUNS."""
     return player(tmp_path_factory.mktemp("played"))
 
 

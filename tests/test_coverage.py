@@ -10,10 +10,7 @@ from library import report
 from library.proofs import Proof, prove, shipped
 from library.rows import Row, faults, faults_of_all, messages, stories
 
-pytestmark = [
-    pytest.mark.xdist_group("shipped scenarios"),
-    pytest.mark.timeout(300),  # whoever comes first plays all of them
-]
+pytestmark = pytest.mark.timeout(300)  # whoever comes first plays all scenarios
 
 TESTS = Path(__file__).parent
 SCENARIO = """

@@ -7,8 +7,6 @@ from canopen_twins.cli import main
 from canopen_twins.scenario.expect import Expectation
 from canopen_twins.scenario.matchers import EmcyLike
 
-pytestmark = pytest.mark.xdist_group("shipped scenarios")
-
 
 @pytest.fixture(params=SCENARIOS, ids=lambda path: path.stem)
 def run(request, played):
