@@ -46,7 +46,7 @@ class Reader:
                 assert self.programs[program](arguments) == int(code or 0), line
 
     def pytest(self, arguments):
-        return self.pytester.runpytest_subprocess("-p", "no:cacheprovider", *arguments).ret
+        return self.pytester.runpytest_inprocess("-p", "no:cacheprovider", *arguments).ret
 
 
 def page_of(device):

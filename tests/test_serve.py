@@ -16,7 +16,7 @@ from canopen_twins.faults import connect
 from canopen_twins.live.bus import ReopenedBus
 from canopen_twins.live.serve import LONGEST_WAIT, drive, serve
 
-canopen.Network.NOTIFIER_CYCLE = 0.01  # disconnecting waits for it
+pytestmark = pytest.mark.usefixtures("quick_to_disconnect")
 
 PATIENCE = 5.0
 READ_LEVEL = "605#4000210000000000"

@@ -12,6 +12,8 @@ from canopen_twins.files.shipped import od_file
 from canopen_twins.scenario import Verdict, load, play
 from canopen_twins.scenario.bench import ScenarioBench
 
+pytestmark = pytest.mark.usefixtures("quick_to_disconnect")
+
 JUDGE = """\
 version: 1
 node: {device: topcon, node_id: 5, settings: {load: resistor 4}}

@@ -10,7 +10,7 @@ from canopen_twins.cli import main
 
 from .conftest import EDS, PATIENCE, hub_at, started
 
-canopen.Network.NOTIFIER_CYCLE = 0.01  # disconnecting waits for it
+pytestmark = pytest.mark.usefixtures("quick_to_disconnect")
 
 
 @pytest.fixture
@@ -37,8 +37,10 @@ def test_a_master_in_another_process_finds_a_whole_slave(master):
     assert master.nmt.state == "OPERATIONAL"
 
     master.tpdo.read()
+    received = SimpleQueue()
+    master.tpdo[1].add_callback(received.put)
     master.tpdo[1].remote_request()
-    assert master.tpdo[1].wait_for_reception(PATIENCE) is not None
+    assert received.get(timeout=PATIENCE) is master.tpdo[1]
 
     master.sdo["Overvoltage level"].raw = 2000
     master.sdo["Voltage reference"].raw = 3000

@@ -1,29 +1,14 @@
-from io import StringIO
-from pathlib import Path
-
-import pytest
-
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Segment
 from canopen_twins.faults import connect
 from canopen_twins.record.plot.run import MOST_MARKS, Run
-from canopen_twins.scenario import load, play
+from canopen_twins.scenario import play
 
 from .conftest import Meter
-
-SCENARIOS = sorted(Path(__file__).parents[2].glob("scenarios/*.yaml"))
 
 
 def words(track):
     return [(time, band.label) for time, band in track.points]
-
-
-@pytest.mark.parametrize("path", SCENARIOS, ids=lambda path: path.stem)
-def test_a_run_that_is_looked_at_is_the_same_run(path):
-    scenario, left_alone, looked_at = load(path), StringIO(), StringIO()
-    verdict = play(scenario, left_alone)
-    assert play(scenario, looked_at, observers=[Run]) == verdict
-    assert looked_at.getvalue() == left_alone.getvalue()
 
 
 def test_set_and_actual_value_are_seen_when_they_change(observed):

@@ -7,10 +7,9 @@ REAL_TIME = """
     import canopen
     import pytest
 
-    canopen.Network.NOTIFIER_CYCLE = 0.01
-
     @pytest.fixture
-    def master(canopen_device):
+    def master(canopen_device, monkeypatch):
+        monkeypatch.setattr(canopen.Network, "NOTIFIER_CYCLE", 0.01)
         served = canopen_device("topcon", node_id=5, load="resistor 4")
         with canopen.Network().connect(**served.bus) as network:
             from canopen_twins.slave.dictionary import dictionary

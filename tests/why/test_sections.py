@@ -27,11 +27,8 @@ EMCY_CODES = {
 
 def shipped():
     """The devices of this project; those of others may have no table."""
-    return [
-        name
-        for name in devices.names()
-        if devices.find(name).__module__.startswith("canopen_twins.")
-    ]
+    ours = devices.__name__
+    return [name for name in devices.names() if devices.find(name).__module__.startswith(ours)]
 
 
 def addresses(od):
