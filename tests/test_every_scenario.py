@@ -18,7 +18,7 @@ def test_it_is_a_story_that_comes_out_as_told(run):
 
 
 def test_a_replay_of_its_record_is_the_same_run_frame_by_frame_and_outcome_by_outcome(run, capsys):
-    assert all(view.nmt.points for view in run.observer.views)  # nobody looks at the replay so
+    assert all(view.nmt.points for view in run.observer.nodes)  # nobody looks at the replay so
     assert (run.record / "trace.log").read_text("utf-8") == run.trace
     events = map(json.loads, (run.record / "events.jsonl").read_text("utf-8").splitlines())
     told = [(each["line"], each["verdict"]) for each in events if each["kind"] == "outcome"]
