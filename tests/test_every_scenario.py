@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from canopen_twins.scenario import load, play
-from canopen_twins.scenario.expect import Expectation
+from canopen_twins.scenario.actions import Expectation
 from canopen_twins.scenario.matchers import EmcyLike
 
 SCENARIOS = sorted(Path(__file__).parents[1].glob("scenarios/*.yaml"))
@@ -31,7 +31,7 @@ def test_it_says_what_it_is_about_and_expects_something(scenario):
 
 def test_an_emergency_is_expected_with_all_that_it_says(scenario):
     wanted = [
-        (step.line, step.action.sign)
+        (step.line, step.action.matcher)
         for step in (*scenario.steps, *scenario.cleanup)
         if isinstance(step.action, Expectation) and not step.action.never
     ]

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from canopen_twins.device.device import Device
     from canopen_twins.live.served import Served
     from canopen_twins.scenario import Scenario, Verdict
-    from canopen_twins.scenario.bench import ScenarioBench
+    from canopen_twins.scenario.play import ScenarioBench
 
 
 def read(name: str) -> Scenario:
@@ -182,7 +182,7 @@ def canopen_scenario(
     The file lies beside the test, or is one of those that are shipped. When the test is over, the
     rest is played; it fails if the verdict is not PASS, and is skipped if it is SKIP.
     """
-    from canopen_twins.scenario.bench import ScenarioBench  # noqa: PLC0415
+    from canopen_twins.scenario.play import ScenarioBench  # noqa: PLC0415
 
     def begin(file: str) -> ScenarioBench:
         bench = canopen_bench.watched(ScenarioBench(beside(request.path, file)))
@@ -245,7 +245,7 @@ def _option(config: pytest.Config, name: str) -> Any:
 MODULES = {
     "canopen_bench": ("canopen_twins.diagnosis.report",),
     "canopen_device": ("canopen_twins.live.served",),
-    "canopen_scenario": ("canopen_twins.scenario.bench", "canopen_twins.scenario.reading.scenario"),
+    "canopen_scenario": ("canopen_twins.scenario.play", "canopen_twins.scenario.reading.scenario"),
     "canopen_simulated_time": ("canopen_twins.bench.simulated_time",),
 }
 

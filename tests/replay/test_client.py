@@ -5,7 +5,7 @@ from io import StringIO
 import pytest
 
 from canopen_twins.scenario import play
-from canopen_twins.scenario.sdo import Answer, download, upload
+from canopen_twins.scenario.sdo_client import Answer, download, upload
 from canopen_twins.slave.object import Abort
 
 TEXT = "a text in several segments"

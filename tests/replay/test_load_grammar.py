@@ -1,22 +1,19 @@
 import pytest
 
-from canopen_twins.scenario.access import Read, Write
-from canopen_twins.scenario.actions import Inject, Send
-from canopen_twins.scenario.expect import Expectation
+from canopen_twins.scenario.actions import Expectation, Inject, Read, Send, Write
 from canopen_twins.scenario.matchers import (
     AnyFrame,
-    Anything,
     Commanded,
+    Condition,
     EmcyLike,
     Entered,
     FrameLike,
     HeartbeatLike,
     Holds,
-    Range,
-    Text,
     Written,
 )
-from canopen_twins.scenario.scenario import After, At, Condition
+from canopen_twins.scenario.scenario import After, At
+from canopen_twins.scenario.values import Anything, Range, Text
 from canopen_twins.slave.service import State
 
 TWO = """\
@@ -120,7 +117,7 @@ def test_a_condition_is_a_sign(met, expected, told, sign):
     ],
 )
 def test_a_condition_is_about_objects(met, kind, sign, told, wanted):
-    what = met(f"{kind}: {{{told}}}").what
+    matcher = met(f"{kind}: {{{told}}}").matcher
     assert type(what) is sign
     assert [each for _, each in what.wanted] == [wanted]
 

@@ -14,9 +14,8 @@ from canopen_twins.files.whole import folder_part
 from canopen_twins.record.about import About
 from canopen_twins.record.events import END, HEARD, STATE, EventLine, write_event
 from canopen_twins.record.trace import Observer
-from canopen_twins.scenario import Player, print_frames
+from canopen_twins.scenario import Player, PlayerEvent, print_frames
 from canopen_twins.scenario.matchers import EmcyLike
-from canopen_twins.scenario.player import Event
 from canopen_twins.slave.service import State
 
 RUN, SCENARIO, TRACE, EVENTS = "run.json", "scenario.yaml", "trace.log", "events.jsonl"
@@ -71,7 +70,7 @@ class Journal:
         for name, node in self._nodes.items():
             node.listeners.append(self._hear_states[name])
 
-    def hear_player(self, event: Event) -> None:
+    def hear_player(self, event: PlayerEvent) -> None:
         """What the scenario does; of states the nodes tell themselves."""
         if event.kind != STATE:
             self._note(event.kind, event.node, **event.fields)

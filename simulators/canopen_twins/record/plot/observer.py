@@ -7,7 +7,7 @@ from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.record.plot.run import Run, View
-from canopen_twins.scenario.player import Event, Player
+from canopen_twins.scenario import Player, PlayerEvent
 
 GRAIN = 1  # microsecond: a moment of the clock is over when the next one begins
 
@@ -53,7 +53,7 @@ class Observer:
     def _plan(self, tick: int) -> None:
         self._due, self._timer = tick, self._clock.at_tick(tick, self._look)
 
-    def _follow(self, event: Event) -> None:
+    def _follow(self, event: PlayerEvent) -> None:
         for view in self.views:
             if event.kind == "inject" and event.node == view.name:
                 view.hit(event.time, event.fields)
