@@ -13,10 +13,10 @@ TEXT = "a text in several segments"
 
 def talk(transfer, *answers):
     """What comes of a transfer, and what the client has asked."""
-    asked = [next(transfer).data.hex()]
+    asked = [next(transfer).hex()]
     try:
         for answer in answers:
-            asked.append(transfer.send(bytes.fromhex(answer)).data.hex())
+            asked.append(transfer.send(bytes.fromhex(answer)).hex())
     except StopIteration as end:
         return end.value, asked
     return None, asked

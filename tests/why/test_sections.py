@@ -27,7 +27,8 @@ EMCY_CODES = {
 
 def shipped():
     """The devices of this project; those of others may have no table."""
-    return [name for name in devices.names() if devices.find(name).__module__.startswith("simul")]
+    ours = f"{devices.__name__}."
+    return [name for name in devices.names() if devices.find(name).__module__.startswith(ours)]
 
 
 def addresses(od):

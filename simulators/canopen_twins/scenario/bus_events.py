@@ -74,12 +74,15 @@ class BusEvents:
         self._moment = clock.ticks
         self._present: list[BusEvent] = []
         self._changes: list[Changed] = []
+        self._states: set[str] = set()  # the nodes whose states are followed
         self._writes: dict[str, MasterWrites] = {}
 
     def follow_states(self, name: str) -> None:
         """NMT states of a node are events from now on."""
-        node = self.nodes[name]
-        node.listeners.append(partial(self._on_state, node))
+        if name not in self._states:
+            self._states.add(name)
+            node = self.nodes[name]
+            node.listeners.append(partial(self._on_state, node))
 
     def follow_writes(self, name: str) -> None:
         """What the master writes to a node is an event from now on."""
@@ -212,84 +215,64 @@ class Downloaded(NamedTuple):
     """Whether all of the bytes count."""
 
 
-class Segments:
-    """A segmented download that is open."""
-
-    def __init__(self, address: Address) -> None:
-        self.address = address
-        self.data = b""
-        self._toggle = 0
-
-    def take(self, data: bytes) -> bool:
-        """Take a segment, once; whether it is the last one."""
-        if data[0] & sdo.TOGGLE != self._toggle:
-            return False
-        self._toggle ^= sdo.TOGGLE
-        self.data += sdo.segment_part(data)
-        return bool(data[0] & sdo.LAST)
-
-
-class Blocks:
-    """A block download that is open: what the server has not confirmed will come again."""
-
-    def __init__(self, address: Address) -> None:
-        self.address = address
-        self.running = False  # every frame is a segment
-        self.confirmed = b""
-        self._block: list[bytes] = []
-
-    def take(self, data: bytes) -> None:
-        """Take a segment of the block that is under way."""
-        if len(self._block) < sdo.LONGEST_BLOCK:
-            self._block.append(data)
-
-    def confirm(self, count: int) -> None:
-        """The server has so many segments of it."""
-        had = [data for place, data in enumerate(self._block, 1) if sdo.block_number(data) == place]
-        self.confirmed += b"".join(data[1:] for data in had[:count])
-        self.running = not any(data[0] & sdo.LAST_OF_BLOCKS for data in had[:count])
-        self._block = []
-
-
 class Downloads:
-    """SDO downloads as seen from the bus: what a client writes, whatever its server makes of it."""
+    """SDO downloads of one client as seen from the bus, whatever its server makes of them."""
 
     def __init__(self) -> None:
-        self._segments: Segments | None = None
-        self._blocks: Blocks | None = None
+        self._open: Ccs | None = None
+        """How the download that is under way has begun, if it takes more than one frame."""
+        self._address: Address = (0, 0)
+        self._data = b""
+        self._toggle = 0
+        self._block: list[bytes] | None = None  # every frame is a segment of it
 
     def ask(self, data: bytes) -> Iterator[Downloaded]:
         """The client has sent a request; what is complete with it."""
-        specifier, segments, blocks = sdo.specifier(data), self._segments, self._blocks
-        if blocks is not None and blocks.running and not sdo.is_abort(data):
-            blocks.take(data)
-        elif specifier == Ccs.DOWNLOAD_SEGMENT and segments is not None:
-            if segments.take(data):
-                self._segments = None
-                yield Downloaded(segments.address, segments.data)
-        elif specifier == Ccs.BLOCK_DOWNLOAD and data[0] & Sub.END and blocks is not None:
-            self._blocks = None
-            yield Downloaded(blocks.address, sdo.block_value(data, blocks.confirmed))
+        specifier = sdo.specifier(data)
+        if self._block is not None and not sdo.is_abort(data):
+            if len(self._block) < sdo.LONGEST_BLOCK:
+                self._block.append(data)
+        elif specifier == Ccs.DOWNLOAD_SEGMENT and self._open == Ccs.DOWNLOAD:
+            if data[0] & sdo.TOGGLE == self._toggle:  # another one comes for the second time
+                self._toggle ^= sdo.TOGGLE
+                self._data += sdo.segment_part(data)
+                if data[0] & sdo.LAST:
+                    yield self._complete(self._data)
+        elif specifier == self._open == Ccs.BLOCK_DOWNLOAD and data[0] & Sub.END:
+            yield self._complete(sdo.block_value(data, self._data))
         else:
             yield from self._initiate(data)
 
     def answer(self, data: bytes) -> None:
-        """The server has answered; in blocks, it confirms."""
-        if self._blocks is None:
+        """The server has answered; what it does not confirm of a block will come again."""
+        if self._open != Ccs.BLOCK_DOWNLOAD:
             return
         if sdo.is_abort(data):
-            self._blocks = None
-        elif sdo.specifier(data) == Scs.BLOCK_DOWNLOAD and data[0] & Sub.START == Sub.CONFIRM:
-            self._blocks.confirm(data[1])
+            self._open = self._block = None
         elif sdo.specifier(data) == Scs.BLOCK_DOWNLOAD:
-            self._blocks.running = True
+            if data[0] & Sub.START == Sub.CONFIRM:
+                self._confirm(self._block or [], data[1])
+            else:
+                self._block = self._block or []
+
+    def _confirm(self, block: list[bytes], count: int) -> None:
+        numbered = enumerate(block, 1)
+        had = [data for place, data in numbered if sdo.block_number(data) == place][:count]
+        self._data += b"".join(data[1:] for data in had)
+        is_last = any(data[0] & sdo.LAST_OF_BLOCKS for data in had)
+        self._block = None if is_last else []
+
+    def _complete(self, data: bytes) -> Downloaded:
+        self._open = None
+        return Downloaded(self._address, data)
 
     def _initiate(self, data: bytes) -> Iterator[Downloaded]:
-        self._segments = self._blocks = None
-        address, specifier = sdo.address(data), sdo.specifier(data)
+        self._open = self._block = None
+        self._address, self._data, self._toggle = sdo.address(data), b"", 0
+        specifier = sdo.specifier(data)
         if specifier == Ccs.BLOCK_DOWNLOAD and not data[0] & Sub.END:
-            self._blocks = Blocks(address)
+            self._open = Ccs.BLOCK_DOWNLOAD
         elif specifier == Ccs.DOWNLOAD and not sdo.is_expedited(data):
-            self._segments = Segments(address)
+            self._open = Ccs.DOWNLOAD
         elif specifier == Ccs.DOWNLOAD:
-            yield Downloaded(address, sdo.value(data), sdo.size(data) is not None)
+            yield Downloaded(self._address, sdo.value(data), sdo.size(data) is not None)

@@ -198,10 +198,7 @@ class EmcyLike(FrameMatcher):
     detail: int | None = None
     """The manufacturer-specific error field, its first byte the lowest."""
 
-    @property
-    def expected(self) -> Expected:
-        """Any emergency of the node."""
-        return ExpectedEmcy()
+    expected = ExpectedEmcy()
 
     def fits(self, frame: Frame, node: Node) -> bool:
         """Field by field."""
@@ -231,10 +228,7 @@ class HeartbeatLike(FrameMatcher):
 
     state: State | None = None
 
-    @property
-    def expected(self) -> Expected:
-        """Any heartbeat of the node."""
-        return ExpectedHeartbeat()
+    expected = ExpectedHeartbeat()
 
     def fits(self, frame: Frame, node: Node) -> bool:
         """State by state."""
@@ -260,10 +254,7 @@ class Commanded(FrameMatcher):
     command: int | None = None
     by_master = True
 
-    @property
-    def expected(self) -> Expected:
-        """A command for this node."""
-        return ExpectedCommand()
+    expected = ExpectedCommand()
 
     def fits(self, frame: Frame, node: Node) -> bool:
         """The command itself."""
@@ -395,13 +386,10 @@ class Holds(Matcher):
 
     @property
     def expected(self) -> Expected:
-        """Their values, whichever they should have."""
+        """Their values, whichever they should have or not have."""
         return ExpectedValues([target.address for target, _ in self.wanted])
 
-    @property
-    def unwanted(self) -> Expected:
-        """Their values, too."""
-        return self.expected
+    unwanted = expected
 
     def poll(self, node: Node) -> tuple[bool, str]:
         """Whether all of them hold at this moment."""

@@ -1,7 +1,7 @@
 """The scenario's own master: what it sends, and its SDO clients, one transfer after the other."""
 
 from collections import deque
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping
 from functools import partial
 from typing import NamedTuple
 
@@ -30,14 +30,7 @@ class Answer(NamedTuple):
 UNANSWERED = Answer(None)
 
 
-class Request(NamedTuple):
-    """A request, and which frames of the server can be its answer."""
-
-    data: bytes
-    fits: Callable[[bytes], bool]
-
-
-Transfer = Generator[Request, bytes, Answer]
+Transfer = Generator[bytes, bytes, Answer]
 """Gives requests, takes their answers, and returns what came of it."""
 
 
@@ -48,41 +41,33 @@ def download(address: Address, data: bytes, sized: bool = True) -> Transfer:
     """
     named = sdo.multiplexer(address)
     if len(data) <= sdo.EXPEDITED_ROOM:
-        answer = yield _initiate(sdo.expedited(Ccs.DOWNLOAD, named, data, sized))
+        answer = yield sdo.expedited(Ccs.DOWNLOAD, named, data, sized)
         return _result(answer, Scs.DOWNLOAD)
-    answer = yield _initiate(sdo.announcing(Ccs.DOWNLOAD, named, len(data)))
+    answer = yield sdo.announcing(Ccs.DOWNLOAD, named, len(data))
     result = _result(answer, Scs.DOWNLOAD)
     for segment in sdo.segments(data):
         if result.code == ACCEPTED:
-            answer = yield _segment(segment)
+            answer = yield segment
             result = _result(answer, Scs.DOWNLOAD_SEGMENT, segment[0] & sdo.TOGGLE)
     return result
 
 
 def upload(address: Address) -> Transfer:
     """Read, in one frame or in segments as the server wants it."""
-    answer = yield _initiate(sdo.message(Ccs.UPLOAD, sdo.multiplexer(address)))
+    answer = yield sdo.message(Ccs.UPLOAD, sdo.multiplexer(address))
     if sdo.specifier(answer) != Scs.UPLOAD:
         return _result(answer, Scs.UPLOAD)
     if sdo.is_expedited(answer):
         return Answer(ACCEPTED, sdo.value(answer))
     data, toggle = b"", 0
     while True:
-        answer = yield _segment(sdo.message(Ccs.UPLOAD_SEGMENT, flags=toggle))
+        answer = yield sdo.message(Ccs.UPLOAD_SEGMENT, flags=toggle)
         if sdo.specifier(answer) != Scs.UPLOAD_SEGMENT or answer[0] & sdo.TOGGLE != toggle:
             return _result(answer, Scs.UPLOAD_SEGMENT, toggle)
         data += sdo.segment_part(answer)
         if answer[0] & sdo.LAST:
             return Answer(ACCEPTED, data)
         toggle ^= sdo.TOGGLE
-
-
-def _initiate(data: bytes) -> Request:
-    return Request(data, lambda answer: answer[1:4] == data[1:4])
-
-
-def _segment(data: bytes) -> Request:
-    return Request(data, lambda answer: True)
 
 
 def _result(answer: bytes, specifier: Scs, flags: int = 0) -> Answer:
@@ -95,19 +80,8 @@ def _result(answer: bytes, specifier: Scs, flags: int = 0) -> Answer:
     return Answer(Abort.TOGGLE if wrong_toggle else Abort.COMMAND, by_client=True)
 
 
-Send = Callable[[Frame], None]
-Talk = Generator[Request, bytes | None, None]
-
-
-class Job(NamedTuple):
-    """Transfers of one step."""
-
-    transfers: Sequence[Transfer]
-    patience: float
-    """Seconds in which every answer has to come."""
-    answered: Callable[[Answer], bool]
-    """Takes what came of the next transfer; whether to go on."""
-    done: Callable[[], None]
+Talk = Generator[bytes, bytes | None, None]
+"""The transfers of one step; takes None where there was no answer in time."""
 
 
 class SdoClient:
@@ -116,79 +90,32 @@ class SdoClient:
     `send` puts a frame on the bus and brings it to everybody, if frames take no time there.
     """
 
-    def __init__(self, node: Node, clock: Clock, send: Send) -> None:
+    def __init__(self, node: Node, clock: Clock, send: Callable[[Frame], None]) -> None:
         self._node = node
         self._clock = clock
         self._send = send
-        self._jobs: deque[Job] = deque()
+        self._talks: deque[Talk] = deque()
         self._talk: Talk | None = None
-        self._request: Request | None = None
+        self._request: bytes | None = None
         self._answer: bytes | None = None
         self._server = 0
         self._patience = 0.0
         self._timer: Timer | None = None
 
-    def ask(self, job: Job) -> None:
+    def ask(self, talk: Talk) -> None:
         """Make transfers after those that are to be made already."""
-        self._jobs.append(job)
+        self._talks.append(talk)
         if self._talk is None:
-            self._talk = self._work()
             self._go_on(None)
 
-    def hear(self, frame: Frame) -> None:
-        """Take a frame from the bus."""
-        request, data = self._request, frame.data
-        if request is None or frame.can_id != self._server or len(data) != sdo.LENGTH:
-            return
-        if request.fits(data):
-            self._request, self._answer = None, data
-            if self._timer is not None:
-                self._timer.cancel()
-                self._timer = self._clock.at_tick(self._clock.ticks, partial(self._go_on, data))
+    def make(self, transfer: Transfer, patience: float) -> Generator[bytes, bytes | None, Answer]:
+        """One transfer of a talk, whose answers have to come within so many seconds each.
 
-    def drop(self) -> None:
-        """Give everything up."""
-        self._jobs.clear()
-        self._talk = self._request = None
-        if self._timer is not None:
-            self._timer.cancel()
-
-    def _go_on(self, answer: bytes | None) -> None:
-        self._timer = None
-        while self._talk is not None:
-            try:
-                self._request = self._talk.send(answer)
-            except StopIteration:
-                self._talk = None
-                return
-            self._answer, self._server = None, identifiers.sdo_answer(self._node.node_id)
-            self._say(self._request.data)
-            if self._answer is None:
-                self._timer = self._clock.after(self._patience, self._give_up)
-                return
-            answer = self._answer
-
-    def _give_up(self) -> None:
-        self._request = None
-        self._go_on(None)
-
-    def _say(self, data: bytes) -> None:
-        self._send(Frame(identifiers.sdo_request(self._node.node_id), data))
-
-    def _work(self) -> Talk:
-        while self._jobs:
-            job = self._jobs.popleft()
-            self._patience = job.patience
-            for transfer in job.transfers:
-                answer = yield from self._make(transfer)
-                if not job.answered(answer):
-                    break
-            job.done()
-
-    def _make(self, transfer: Transfer) -> Generator[Request, bytes | None, Answer]:
-        """One transfer; the client aborts what goes wrong on its side (CiA 301, 7.2.4.3.17)."""
+        The client aborts what goes wrong on its side (CiA 301, 7.2.4.3.17).
+        """
+        self._patience = patience
         request = next(transfer)
-        named = request.data[1:4]
+        named = request[1:4]
         try:
             while True:
                 answer = yield request
@@ -201,6 +128,47 @@ class SdoClient:
         if result.by_client:
             self._say(sdo.abort(named, result.code or ACCEPTED))
         return result
+
+    def hear(self, frame: Frame) -> None:
+        """Take a frame from the bus."""
+        request, data = self._request, frame.data
+        if request is None or frame.can_id != self._server or len(data) != sdo.LENGTH:
+            return
+        if request[0] not in sdo.INITIATES or request[1:4] == data[1:4]:
+            self._request, self._answer = None, data
+            if self._timer is not None:
+                self._timer.cancel()
+                self._timer = self._clock.at_tick(self._clock.ticks, partial(self._go_on, data))
+
+    def drop(self) -> None:
+        """Give everything up."""
+        self._talks.clear()
+        self._talk = self._request = None
+        if self._timer is not None:
+            self._timer.cancel()
+
+    def _go_on(self, answer: bytes | None) -> None:
+        self._timer = None
+        while self._talk is not None or self._talks:
+            self._talk = self._talk or self._talks.popleft()
+            try:
+                self._request = self._talk.send(answer)
+            except StopIteration:
+                self._talk = answer = None
+                continue
+            self._answer, self._server = None, identifiers.sdo_answer(self._node.node_id)
+            self._say(self._request)
+            if self._answer is None:
+                self._timer = self._clock.after(self._patience, self._give_up)
+                return
+            answer = self._answer
+
+    def _give_up(self) -> None:
+        self._request = None
+        self._go_on(None)
+
+    def _say(self, data: bytes) -> None:
+        self._send(Frame(identifiers.sdo_request(self._node.node_id), data))
 
 
 class ScenarioMaster:

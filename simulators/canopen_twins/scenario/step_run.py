@@ -15,30 +15,31 @@ from canopen_twins.scenario.expectation_run import Watch
 from canopen_twins.scenario.matchers import Condition
 from canopen_twins.scenario.run_log import RunLog
 from canopen_twins.scenario.scenario import Step
-from canopen_twins.scenario.sdo_client import Answer, Job, ScenarioMaster
+from canopen_twins.scenario.sdo_client import Answer, ScenarioMaster, SdoClient, Talk
 from canopen_twins.scenario.verdict import Finding, Kind
 
 
 class InjectedFaults:
-    """Every fault has one end at most to come: who takes it away or replaces it calls that off."""
+    """Knows which injection a fault is of: who takes it away or replaces it calls its end off."""
 
     def __init__(self, nodes: Mapping[str, Node], log: RunLog) -> None:
         self._nodes = nodes
         self._log = log
-        self._ends: dict[tuple[str, str], object] = {}
+        self._injections: dict[tuple[str, str], object] = {}
 
-    def inject(self, name: str, faults: Mapping[str, Mapping[str, Any]]) -> None:
-        """Let things go wrong with a node, in the order of the file.
+    def inject(self, name: str, faults: Mapping[str, Mapping[str, Any]]) -> Callable[[], None]:
+        """Let things go wrong with a node; what clears, when called, those that are still the same.
 
         Raises:
             UserError: the node has no such fault.
         """
-        node = self._nodes[name]
+        node, injection = self._nodes[name], object()
         with node.acting():
             for fault, parameters in faults.items():
                 node.faults.inject(fault, **parameters)
-                self._ends.pop((name, fault), None)
+                self._injections[name, fault] = injection
                 self._log.tell(name, "inject", fault=fault, parameters=dict(parameters))
+        return partial(self._end, name, faults, injection)
 
     def clear(self, name: str, fault: str | None) -> None:
         """Take one away, or all of them; without effect if it is not active.
@@ -51,21 +52,13 @@ class InjectedFaults:
             gone = [each for each in node.faults.active if fault in (None, each)]
             node.faults.clear(fault)
             for each in gone:
-                self._ends.pop((name, each), None)
+                self._injections.pop((name, each), None)
                 self._log.tell(name, "clear", fault=each)
 
-    def end(self, name: str, faults: Iterable[str]) -> Callable[[], None]:
-        """What clears those of the faults that are still the same when it is called."""
-        end = object()
-        planned = [(name, fault) for fault in faults]
-        self._ends.update(dict.fromkeys(planned, end))
-
-        def clear() -> None:
-            for key in planned:
-                if self._ends.get(key) is end:
-                    self.clear(*key)
-
-        return clear
+    def _end(self, name: str, faults: Iterable[str], injection: object) -> None:
+        for fault in faults:
+            if self._injections.get((name, fault)) is injection:
+                self.clear(name, fault)
 
 
 class Resources(NamedTuple):
@@ -101,7 +94,7 @@ class StepRun:
         """The microsecond at which what it has done ends by itself."""
         self._resources = resources
         self._news = news
-        self._jobs = 0  # that the SDO client has not done yet
+        self._asking = 0  # talks that the SDO client is not through with
 
     @property
     def waiting(self) -> bool:
@@ -111,7 +104,7 @@ class StepRun:
     @property
     def done(self) -> bool:
         """Whether it has been carried out for the last time, and all it has asked is answered."""
-        return self.rounds == self.step.times and not self._jobs
+        return self.rounds == self.step.times and not self._asking
 
     def drop(self) -> None:
         """Carry it out no more."""
@@ -131,7 +124,9 @@ class StepRun:
         name, (bus, master, faults, _) = self.step.node, self._resources
         match self.step.action:
             case Write() | Read() as access:
-                self._ask(access)
+                self._asking += 1
+                client = master.clients[name]
+                client.ask(self._ask(access, client))
             case Inject() as injection:
                 self._inject(injection)
             case Clear(fault):
@@ -149,41 +144,30 @@ class StepRun:
             case action:
                 raise TypeError(f"no step carries out {action!r}")
 
-    def _ask(self, access: Write | Read) -> None:
-        """SDO transfers with the node, behind those of the steps before."""
+    def _ask(self, access: Write | Read, client: SdoClient) -> Talk:
+        """One transfer after the other; what ends the step ends them."""
         answers: list[Answer] = []
-
-        def answered(answer: Answer) -> bool:
-            answers.append(answer)
+        for transfer in access.transfers():
+            answers.append((yield from client.make(transfer, access.timeout)))
             if (finding := access.judge(answers)) is not None:
                 self._report(finding)
-            return finding is None
-
-        self._jobs += 1
-        client = self._resources.master.clients[self.step.node]
-        client.ask(Job(access.transfers(), access.timeout, answered, self._answered))
-
-    def _answered(self) -> None:
-        self._jobs -= 1
+                break
+        self._asking -= 1
         self._news(self)
 
     def _inject(self, injection: Inject) -> None:
         bus, _, faults, _ = self._resources
         here = bus.position
-        faults.inject(self.step.node, injection.faults)
-        if injection.lasts is None:
-            return
-        clear = faults.end(self.step.node, injection.faults)
+        end = faults.inject(self.step.node, injection.faults)
         if isinstance(injection.lasts, Condition):
-            seen = partial(self._clear_soon, clear)
-            Watch.of(injection.lasts, bus, seen).listen(here)
-        else:
+            Watch.of(injection.lasts, bus, partial(self._end_soon, end)).listen(here)
+        elif injection.lasts is not None:
             self.lasts = bus.clock.ticks + microseconds(injection.lasts)
-            bus.clock.at_tick(self.lasts, clear)
+            bus.clock.at_tick(self.lasts, end)
 
-    def _clear_soon(self, clear: Callable[[], None], told: str) -> None:
+    def _end_soon(self, end: Callable[[], None], told: str) -> None:
         clock = self._resources.bus.clock
-        clock.at_tick(clock.ticks, clear)  # not in the middle of what happens
+        clock.at_tick(clock.ticks, end)  # not in the middle of what happens
 
     def _report(self, finding: Finding) -> None:
         self._resources.log.decide(self.step, finding)
