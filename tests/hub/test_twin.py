@@ -5,7 +5,7 @@ import canopen
 import pytest
 
 from canopen_twins.bus.hub.client import HubBus
-from canopen_twins.bus.hub.protocol import Address
+from canopen_twins.bus.hub.protocol import HubAddress
 from canopen_twins.cli import main
 
 from .conftest import EDS, PATIENCE, hub_at, started
@@ -17,7 +17,7 @@ canopen.Network.NOTIFIER_CYCLE = 0.01  # disconnecting waits for it
 def master(stack):
     """A canopen master in this process, a TopCon and the hub in two others."""
     _, told = stack.enter_context(started("hub", "--listen", ":0"))
-    address = Address(told["host"], told["port"])
+    address = HubAddress(told["host"], told["port"])
     twin = ("run", "topcon", "-n", "5", "--hub", str(address), "-c", "can7")
     _, ready = stack.enter_context(started(*twin))
     assert ready == {"ready": "topcon", "node_id": 5, "hub": str(address), "channel": "can7"}
@@ -65,7 +65,7 @@ def test_a_hub_for_others_is_told_that_there_is_no_password():
 
 
 def test_a_twin_is_back_when_the_hub_is(stack):
-    with hub_at(Address(port=0)) as address:
+    with hub_at(HubAddress(port=0)) as address:
         _, _ = stack.enter_context(started("run", "topcon", "-n", "5", "--hub", str(address)))
     with hub_at(address), HubBus(address, "vcan0") as bus, canopen.Network(bus) as network:
         network.connect()

@@ -27,8 +27,11 @@ EMCY_CODES = {
 
 def shipped():
     """The devices of this project; those of others may have no table."""
-    ours = f"{devices.__name__}."
-    return [name for name in devices.names() if devices.find(name).__module__.startswith(ours)]
+    return [
+        name
+        for name in devices.names()
+        if devices.find(name).__module__.startswith("canopen_twins.")
+    ]
 
 
 def addresses(od):

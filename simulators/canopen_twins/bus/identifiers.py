@@ -12,16 +12,12 @@ NODE_IDS = range(1, 128)  # 7.2.4.3.1
 NMT, SYNC, TIME = 0x000, 0x080, 0x100
 LSS_ANSWER, LSS_REQUEST = 0x7E4, 0x7E5  # CiA 305
 
-INVALID = 1 << 31
-"""Bit of a COB-ID in the dictionary: the PDO, SDO or EMCY does not exist."""
-NO_RTR = 1 << 30
-"""Bit of that of a TPDO: it may not be asked for."""
-PRODUCES = 1 << 30
-"""The same bit of that of SYNC: the node produces it."""
-CAN_ID = 0x7FF
-"""The bits of a COB-ID that are its identifier."""
-RESERVED = 0x3FFFF800
-"""Bits that are 0 for identifiers of 11 bits, bit 29 first: no device here knows those of 29."""
+# Bits of a COB-ID in the dictionary
+INVALID = 1 << 31  # the PDO or EMCY does not exist
+NO_RTR = 1 << 30  # a TPDO that may not be asked for
+PRODUCES = 1 << 30  # SYNC comes from this node
+RESERVED = 0x3FFFF800  # 0 if the identifier has 11 bits; no device here knows those of 29
+CAN_ID = 0x7FF  # the identifier
 
 
 class Cob(StrEnum):
@@ -91,6 +87,11 @@ def sdo_request(node_id: int) -> int:
 def heartbeat(node_id: int) -> int:
     """The identifier of heartbeat and boot-up, and of node guarding."""
     return 0x700 + node_id
+
+
+def of_cob_id(value: int) -> int | None:
+    """The identifier of a COB-ID in the dictionary; none if bit 31 says that there is none."""
+    return None if value & INVALID else value & CAN_ID
 
 
 _RESTRICTED = (

@@ -7,6 +7,7 @@ from typing import Any, ClassVar, NamedTuple
 
 from canopen import ObjectDictionary
 
+from canopen_twins.bus.identifiers import NODE_IDS
 from canopen_twins.device.chart import Chart
 from canopen_twins.device.faults import Fault
 from canopen_twins.device.settings import NodeSettings, changed
@@ -15,11 +16,10 @@ from canopen_twins.slave.dictionary import dictionary
 from canopen_twins.slave.emcy import Emcy, Farewell, when_all_are_gone
 from canopen_twins.slave.memory import Memory
 from canopen_twins.slave.object import Address, Object, Rejected
+from canopen_twins.slave.pdo import Rpdo, Tpdo
 from canopen_twins.slave.profile import Profile
-from canopen_twins.slave.rpdo import Rpdo
-from canopen_twins.slave.service import NODE_IDS, Service, State
+from canopen_twins.slave.service import Service, State
 from canopen_twins.slave.slave import Slave
-from canopen_twins.slave.tpdo import Tpdo
 
 
 class EmcyMessage(NamedTuple):

@@ -1,15 +1,15 @@
 """Why a device answered as it did, in words with the section of its manual.
 
 What follows from the node as it is (power, dictionary, settings, faults) is worked out when
-somebody asks; what does not, the diary of its wire has kept.
+somebody asks; what does not, the event log of its wire has kept.
 """
 
 from collections.abc import Sequence
 
 from canopen_twins.bus.segment import Record
 from canopen_twins.device.node import Node
-from canopen_twins.diagnosis import events, pdos, requests
 from canopen_twins.diagnosis.expected import Expected
+from canopen_twins.diagnosis.frames import commands, emergencies, pdos, requests
 from canopen_twins.diagnosis.sections import Sections, sections
 from canopen_twins.diagnosis.view import View
 
@@ -34,7 +34,7 @@ def why(
             `diagnosis.expected`. Nothing is known of it while the node is silent.
     """
     view = View(node, records, since)
-    explain = (requests.explained, pdos.explained, events.commands, events.emergencies)
+    explain = (requests, pdos, commands, emergencies)
     places = {id(record): place for place, record in enumerate(records)}
     lines = [line for lines in explain for line in lines(view)]
     lines.sort(key=lambda line: places[id(line.record)])
@@ -53,7 +53,7 @@ def _silence(node: Node, view: View) -> str:
     if node.slave is None:
         reason = node.device.silence or "it has not booted"
         return f"the node is silent: {reason}{view.service('silence')}"
-    if node.wire.shut:
+    if node.slave.shut:
         reason = node.device.silence or "it has shut itself off for a while"
         return f"the node is off the bus: {reason}{view.service('silence')}"
     return ""

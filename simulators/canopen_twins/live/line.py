@@ -10,6 +10,7 @@ import can
 from can.interfaces.udp_multicast import UdpMulticastBus
 
 from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.python_can import frame_of, message_of
 from canopen_twins.errors import UserError
 
 log = logging.getLogger(__name__)
@@ -44,14 +45,7 @@ class Line:
         if self._echoes is not None:
             self._echoes.append(frame)
         try:
-            self._bus.send(
-                Message(
-                    arbitration_id=frame.can_id,
-                    is_extended_id=frame.extended,
-                    is_remote_frame=frame.remote,
-                    data=frame.data,
-                )
-            )
+            self._bus.send(message_of(frame))
         except FAILURES as failure:
             self._fail(failure)
             return
@@ -70,8 +64,7 @@ class Line:
             return None
         if message is None or message.is_error_frame or message.is_fd:
             return None
-        extended, remote = message.is_extended_id, message.is_remote_frame
-        frame = Frame(message.arbitration_id, bytes(message.data), remote, extended)
+        frame = frame_of(message)
         if self._echoes is not None and frame in self._echoes:
             self._echoes.remove(frame)
             return None
@@ -113,20 +106,6 @@ class Line:
         log.warning("the bus works again")
         self._failing = False
         self._pause = SHORTEST_PAUSE
-
-
-class Message(can.Message):
-    """A message that is cheap to copy: python-can's virtual bus makes deep copies."""
-
-    __slots__ = ()
-
-    def __deepcopy__(self, memo: object) -> can.Message:
-        return can.Message(
-            arbitration_id=self.arbitration_id,
-            is_extended_id=self.is_extended_id,
-            is_remote_frame=self.is_remote_frame,
-            data=bytearray(self.data),
-        )
 
 
 def _echoes(bus: can.BusABC) -> bool:

@@ -13,6 +13,7 @@ from can.io.player import MESSAGE_READERS
 
 from canopen_twins.bus.clock import microseconds
 from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.python_can import frame_of, message_of
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
@@ -76,9 +77,7 @@ def _opened(path: Path) -> IO[bytes]:
 
 
 def _sent(message: can.Message) -> TimedFrame:
-    remote, extended = message.is_remote_frame, message.is_extended_id
-    frame = Frame(message.arbitration_id, bytes(message.data), remote, extended)
-    return TimedFrame(microseconds(message.timestamp), frame)
+    return TimedFrame(microseconds(message.timestamp), frame_of(message))
 
 
 CHANNEL = "can0"
@@ -183,12 +182,4 @@ def trace_file(path: Path) -> Iterator[Observer]:
 
 def message(frame: Frame, time: float, heard: bool) -> can.Message:
     """A frame as python-can has it."""
-    return can.Message(
-        timestamp=time,
-        arbitration_id=frame.can_id,
-        is_extended_id=frame.extended,
-        is_remote_frame=frame.remote,
-        is_rx=heard,
-        channel=CHANNEL,
-        data=frame.data,
-    )
+    return message_of(frame, timestamp=time, is_rx=heard, channel=CHANNEL)

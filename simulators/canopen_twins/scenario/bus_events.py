@@ -219,7 +219,7 @@ class Downloads:
     """SDO downloads of one client as seen from the bus, whatever its server makes of them."""
 
     def __init__(self) -> None:
-        self._open: Ccs | None = None
+        self._open: int | None = None
         """How the download that is under way has begun, if it takes more than one frame."""
         self._address: Address = (0, 0)
         self._data = b""

@@ -27,8 +27,7 @@ from canopen_twins.scenario.bus_events import BusEvent, Changed, Sent, Wrote
 from canopen_twins.scenario.targets import Target
 from canopen_twins.scenario.values import NoValue, Wanted, value_now, value_of
 from canopen_twins.slave.emcy import EMCY_LENGTH, emcy_id, emcy_of
-from canopen_twins.slave.heartbeat import STATE_BYTE
-from canopen_twins.slave.nmt import ALL_NODES
+from canopen_twins.slave.nmt import ALL_NODES, STATE_BYTE
 from canopen_twins.slave.service import State
 
 

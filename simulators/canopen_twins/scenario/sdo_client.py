@@ -70,7 +70,7 @@ def upload(address: Address) -> Transfer:
         toggle ^= sdo.TOGGLE
 
 
-def _result(answer: bytes, specifier: Scs, flags: int = 0) -> Answer:
+def _result(answer: bytes, specifier: int, flags: int = 0) -> Answer:
     expected = specifier << 5 | flags
     if sdo.is_abort(answer):
         return Answer(sdo.abort_code(answer))

@@ -9,6 +9,7 @@ from typing import Any
 from canopen import LocalNode, ObjectDictionary, SdoAbortedError
 
 from canopen_twins.bus.clock import Scope
+from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.wire import Wire
 from canopen_twins.slave.dictionary import DUMMIES, variables
 from canopen_twins.slave.object import Abort, Address, Entry, Object, Rejected
@@ -30,6 +31,8 @@ class Slave(LocalNode):
         self.node_id = node_id
         self.wire = wire
         self.clock = clock  # a reset makes a fresh slave: the timers of this one end with it
+        self.shut = False
+        """Off the bus for a while: nothing goes out, nothing comes in. A service says so."""
         self.profile = profile or Profile()
         self.entries: dict[int, dict[int, Entry]] = {}
         self.on_communication_change: Callable[[], None] = lambda: None
@@ -40,7 +43,6 @@ class Slave(LocalNode):
                 self.dummies[index] = len(item)
             else:
                 self._add(index, item)
-        wire.shut = False
         for other in list(wire):
             del wire[other]
         wire[node_id] = self
@@ -106,6 +108,11 @@ class Slave(LocalNode):
             longer = length > entry.size
             code = self.profile.too_long if longer else self.profile.too_short
             raise Rejected(f"{length} bytes for an object of {entry.size}", code)
+
+    def send(self, frame: Frame) -> None:
+        """Send a frame; lost while the slave is off the bus."""
+        if not self.shut:
+            self.wire.put(frame)
 
     def get_data(self, index: int, subindex: int, check_readable: bool = False) -> bytes:
         """What canopen's own `node.sdo[...]` reads."""

@@ -10,7 +10,7 @@ from can.cli import create_bus_from_namespace
 from can.util import load_config
 
 from canopen_twins.bus.hub.client import HubBus
-from canopen_twins.bus.hub.protocol import Address
+from canopen_twins.bus.hub.protocol import HubAddress
 from canopen_twins.errors import UserError
 from canopen_twins.live.line import OpenBus
 
@@ -20,7 +20,7 @@ VIRTUAL: Mapping[str, Callable[[Mapping[str, Any]], bool]] = {
     "virtual": lambda _: True,
     "udp_multicast": lambda _: True,
     "socketcan": lambda config: str(config.get("channel")).startswith(("vcan", "vxcan")),
-    "socketcand": lambda config: Address(str(config.get("host"))).is_loopback,
+    "socketcand": lambda config: HubAddress(str(config.get("host"))).is_loopback,
 }
 """Interfaces of python-can behind which there may be no hardware, by their configuration."""
 
@@ -53,7 +53,7 @@ def place(options: argparse.Namespace) -> Place:
 def _of_a_hub(options: argparse.Namespace) -> Place:
     if "interface" in options:
         raise UserError("--hub is a bus by itself: leave --interface out")
-    address, name = Address.parse(options.hub), getattr(options, "channel", DEFAULT_BUS)
+    address, name = HubAddress.parse(options.hub), getattr(options, "channel", DEFAULT_BUS)
     told = {"hub": str(address), "channel": name}
     return Place(partial(_join, address, name), told, virtual=address.is_loopback)
 
@@ -88,7 +88,7 @@ def _open(options: argparse.Namespace) -> can.BusABC:
         raise can.CanInitializationError(f"{failure.__cause__}{hint}") from failure
 
 
-def _join(address: Address, name: str) -> can.BusABC:
+def _join(address: HubAddress, name: str) -> can.BusABC:
     try:
         return HubBus(address, name)
     except OSError as failure:

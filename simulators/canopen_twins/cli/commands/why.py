@@ -84,7 +84,7 @@ def _answer(bench: Bench, address: Address, text: str) -> str:
     try:
         bench.twin.remote.sdo.download(*address, entry.pack(value))
     except SdoAbortedError as abort:
-        notes = node.wire.diary.refusals
+        notes = node.wire.events.refusals
         reason = notes[-1].words if notes else "no reason is known"
         return f"refused with {abort.code:#010x}: {reason}"
     except SdoCommunicationError:

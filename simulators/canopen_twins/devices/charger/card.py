@@ -6,11 +6,10 @@ from canopen_twins.bus.clock import Timer
 from canopen_twins.devices.charger.settings import Settings
 from canopen_twins.errors import UserError
 from canopen_twins.slave.object import Abort, Address, Object, Rejected
+from canopen_twins.slave.pdo import Rpdo, Tpdo
 from canopen_twins.slave.profile import Profile
-from canopen_twins.slave.rpdo import Rpdo
 from canopen_twins.slave.service import Service, State
 from canopen_twins.slave.slave import Slave
-from canopen_twins.slave.tpdo import Tpdo
 
 CYCLE = (0x2002, 0x01)  # ms
 

@@ -3,9 +3,9 @@
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
+from canopen_twins.bus.identifiers import NODE_IDS
 from canopen_twins.slave.lss import Stored
 from canopen_twins.slave.object import Address, Object, Rejected
-from canopen_twins.slave.service import NODE_IDS
 
 BIT_RATES: Mapping[int, int] = {
     0: 1_000_000,

@@ -5,12 +5,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
 
+from canopen_twins.bus import identifiers
 from canopen_twins.bus.frame import Frame
 from canopen_twins.devices.gateway.model.canopen_side import BootUp, Heartbeat, Message, TpdoFrame
 from canopen_twins.devices.gateway.model.state import State as GatewayState
 from canopen_twins.devices.gateway.model.system import System
-from canopen_twins.slave.heartbeat import STATE_BYTE
-from canopen_twins.slave.service import NODE_IDS, Listening, Service, State
+from canopen_twins.slave.nmt import STATE_BYTE
+from canopen_twins.slave.service import Listening, Service, State
 from canopen_twins.slave.slave import Slave
 
 STATES: Mapping[GatewayState, State] = {
@@ -45,7 +46,7 @@ class Traffic(Service):
         self._rpdos = {n: pdo.identifier for n, pdo in known.rpdos.items()} if known else {}
         self._tpdos = {n: pdo.identifier for n, pdo in known.tpdos.items()} if known else {}
         system.outbox.clear()  # the boot-up message is that of the NMT slave
-        slave.wire.shut = not system.listening
+        slave.shut = not system.listening
 
     @property
     def eventful(self) -> bool:
@@ -56,20 +57,20 @@ class Traffic(Service):
         """RPDOs that are active, and the watched partner."""
         for number, identifier in self._rpdos.items():
             yield (identifier, False), partial(self._on_rpdo, number)
-        if self._partner in NODE_IDS:
-            yield (0x700 + self._partner, False), self._on_partner
+        if self._partner in identifiers.NODE_IDS:
+            yield (identifiers.heartbeat(self._partner), False), self._on_partner
 
     def publish(self) -> None:
         """Send what the model has sent, if it gets out."""
         system, outbox = self._system, self._system.outbox
-        self.slave.wire.shut = not system.listening
+        self.slave.shut = not system.listening
         if outbox:
             for message in outbox:
-                self.slave.wire.put(self._frame(message))
+                self.slave.send(self._frame(message))
             outbox.clear()
 
     def _frame(self, message: Message) -> Frame:
-        heartbeats = 0x700 + self.slave.node_id
+        heartbeats = identifiers.heartbeat(self.slave.node_id)
         match message:
             case TpdoFrame(number, words):
                 return Frame(self._tpdos[number], struct.pack(f"<{len(words)}H", *words))

@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping
 
+from canopen_twins.bus.identifiers import NO_RTR
 from canopen_twins.devices.topcon.settings import Settings
 from canopen_twins.errors import UserError
-from canopen_twins.slave.cob_id import NO_RTR
 from canopen_twins.slave.object import Abort, Rejected
 from canopen_twins.slave.profile import Profile
 

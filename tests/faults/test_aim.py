@@ -1,12 +1,12 @@
 import pytest
 
 from canopen_twins import UserError
-from canopen_twins.faults.disturbance import Turn
+from canopen_twins.faults.disturbance import Aim
 
 
-def struck(turn, length=12):
+def struck(aim, length=12):
     """What is struck of a row, as a text."""
-    return "".join("x" if turn.strikes() else "." for _ in range(length))
+    return "".join("x" if aim.strikes() else "." for _ in range(length))
 
 
 @pytest.mark.parametrize(
@@ -22,29 +22,29 @@ def struck(turn, length=12):
     ],
 )
 def test_it_is_counted(given, row):
-    assert struck(Turn(**given)) == row
+    assert struck(Aim(**given)) == row
 
 
 def test_it_is_over_when_all_have_been_struck_and_never_before():
-    turn = Turn(nth=2, times=2)
-    assert [(turn.strikes(), turn.over) for _ in range(4)] == [
+    aim = Aim(nth=2, times=2)
+    assert [(aim.strikes(), aim.over) for _ in range(4)] == [
         (False, False),
         (True, False),
         (True, True),
         (False, True),
     ]
-    assert not Turn().over
+    assert not Aim().over
 
 
 def test_chance_is_the_seed_s():
-    rows = {seed: struck(Turn(probability=0.5, seed=seed), 100) for seed in range(20)}
-    assert rows == {seed: struck(Turn(probability=0.5, seed=seed), 100) for seed in range(20)}
+    rows = {seed: struck(Aim(probability=0.5, seed=seed), 100) for seed in range(20)}
+    assert rows == {seed: struck(Aim(probability=0.5, seed=seed), 100) for seed in range(20)}
     assert len(set(rows.values())) == 20
     assert 900 < sum(row.count("x") for row in rows.values()) < 1100
 
 
 def test_a_burst_goes_on_where_chance_has_begun_it():
-    row = struck(Turn(probability=0.1, burst=4), 1000)
+    row = struck(Aim(probability=0.1, burst=4), 1000)
     runs = [run for run in row.split(".") if run]
     assert runs
     assert all(len(run) % 4 == 0 for run in runs[:-1])
