@@ -4,7 +4,7 @@ import pytest
 from played import SCENARIOS
 
 from canopen_twins.cli import main
-from canopen_twins.scenario.expect import Expectation
+from canopen_twins.scenario.actions import Expectation
 from canopen_twins.scenario.matchers import EmcyLike
 
 
@@ -35,7 +35,7 @@ def test_it_says_what_it_is_about_and_expects_something(run):
 
 def test_an_emergency_is_expected_with_all_that_it_says(run):
     wanted = [
-        (step.line, step.action.sign)
+        (step.line, step.action.matcher)
         for step in (*run.scenario.steps, *run.scenario.cleanup)
         if isinstance(step.action, Expectation) and not step.action.never
     ]

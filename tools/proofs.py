@@ -7,12 +7,11 @@ from typing import NamedTuple
 
 from canopen_twins import devices
 from canopen_twins.scenario import load, play
-from canopen_twins.scenario.access import Read
-from canopen_twins.scenario.actions import Inject
-from canopen_twins.scenario.expect import Expectation
-from canopen_twins.scenario.matchers import EmcyLike, Holds, Wanted
+from canopen_twins.scenario.actions import Expectation, Inject, Read
+from canopen_twins.scenario.matchers import EmcyLike, Holds
 from canopen_twins.scenario.scenario import NodeSpec, Scenario, Step
 from canopen_twins.scenario.targets import Target
+from canopen_twins.scenario.values import Wanted
 from canopen_twins.scenario.verdict import Kind, Verdict
 
 FOLDER = Path(__file__).parent.parent / "scenarios"

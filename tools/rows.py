@@ -11,7 +11,7 @@ from canopen_twins.bus.segment import Segment
 from canopen_twins.device.device import BitMessage, EmcyMessage, Message
 from canopen_twins.device.faults import Fault
 from canopen_twins.faults import connect
-from canopen_twins.scenario.matchers import Range
+from canopen_twins.scenario.values import Range
 from tools.proofs import Fact, Injected, Proof, Told, Value, shipped
 
 FOLDER = Path(__file__).parent

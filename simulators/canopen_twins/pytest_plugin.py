@@ -26,7 +26,7 @@ from canopen_twins.errors import UserError
 if TYPE_CHECKING:
     from canopen_twins import Bench, Device, Scenario, Verdict
     from canopen_twins.live.twin import LiveTwin
-    from canopen_twins.scenario.bench import ScenarioBench
+    from canopen_twins.scenario.play import ScenarioBench
 
 __all__ = ["canopen_bench", "canopen_device", "canopen_scenario", "canopen_simulated_time"]
 
@@ -39,7 +39,7 @@ GROUP = "canopen_twins.devices"  # that of canopen_twins.devices, which imports 
 MODULES = {
     "canopen_bench": ("canopen_twins.diagnosis.report",),
     "canopen_device": ("canopen_twins.live.twin",),
-    "canopen_scenario": ("canopen_twins.scenario.bench", "canopen_twins.scenario.reading.scenario"),
+    "canopen_scenario": ("canopen_twins.scenario.play", "canopen_twins.scenario.compile"),
     "canopen_simulated_time": ("canopen_twins.bench.simulated_time",),
 }
 """What the first test with a fixture would have to import."""
@@ -170,7 +170,7 @@ def canopen_scenario(
     The file lies beside the test, or is one of those that are shipped. When the test is over, the
     rest is played; it fails if the verdict is not PASS, and is skipped if it is SKIP.
     """
-    from canopen_twins.scenario.bench import ScenarioBench  # noqa: PLC0415
+    from canopen_twins.scenario.play import ScenarioBench  # noqa: PLC0415
 
     def begin(file: str) -> ScenarioBench:
         bench = canopen_bench.watched(ScenarioBench(beside(request.path, file)))

@@ -11,7 +11,7 @@ from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.diagnosis.decoder import Decoder
 from canopen_twins.errors import UserError
-from canopen_twins.scenario import Event, Player
+from canopen_twins.scenario import Player, PlayerEvent
 from canopen_twins.scenario.matchers import EmcyLike
 from canopen_twins.slave.service import State
 
@@ -111,7 +111,7 @@ class Journal:
     def _hear_state(self, name: str, state: State) -> None:
         self._note(STATE, name, state=state.lower())
 
-    def _hear_player(self, event: Event) -> None:
+    def _hear_player(self, event: PlayerEvent) -> None:
         if event.kind != STATE:  # nodes tell their states themselves
             self._note(event.kind, event.node, **event.fields)
 

@@ -11,7 +11,7 @@ from canopen_twins.device.chart import Band, Curve, Mood
 from canopen_twins.device.node import Node
 from canopen_twins.diagnosis.decoder import Decoder
 from canopen_twins.record.plot.track import Span, Track, extremes, worst
-from canopen_twins.scenario import Event, Kind, Outcome, Player, Verdict
+from canopen_twins.scenario import Kind, Outcome, Player, PlayerEvent, Verdict
 from canopen_twins.slave.emcy import EMCY_LENGTH, emcy_id, emcy_of
 from canopen_twins.slave.service import State
 
@@ -175,7 +175,7 @@ class Run:
     def _plan(self, tick: int) -> None:
         self._due, self._timer = tick, self._clock.at_tick(tick, self._look)
 
-    def _follow(self, event: Event) -> None:
+    def _follow(self, event: PlayerEvent) -> None:
         for node in self.nodes:
             if event.kind == "inject" and event.node == node.name:
                 node.hit(event.time, event.fields)

@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 
 from canopen_twins.errors import UserError
-from canopen_twins.scenario.actions import Inject
-from canopen_twins.scenario.expect import Expectation
-from canopen_twins.scenario.scenario import After, At, Condition, Step
+from canopen_twins.scenario.actions import Expectation, Inject
+from canopen_twins.scenario.matchers import Condition
+from canopen_twins.scenario.scenario import After, At, Step
 from canopen_twins.scenario.schema import AnyStep
 
 IN_VAIN = (

@@ -5,23 +5,23 @@ from collections.abc import Callable, Mapping
 from canopen_twins.files.document import Item
 from canopen_twins.files.problems import Noted
 from canopen_twins.scenario import schema as keys
-from canopen_twins.scenario.expect import Expectation
+from canopen_twins.scenario.actions import Expectation
 from canopen_twins.scenario.matchers import (
     COMMANDS,
     AnyFrame,
     Commanded,
+    Condition,
     EmcyLike,
     Entered,
     FrameLike,
     HeartbeatLike,
     Holds,
-    Sign,
+    Matcher,
     Written,
 )
 from canopen_twins.scenario.reading.dry_run import DryRun
 from canopen_twins.scenario.reading.participants import Participants
 from canopen_twins.scenario.reading.values import Told, wanted
-from canopen_twins.scenario.scenario import Condition
 from canopen_twins.scenario.words import HEARTBEATS, NONE, STATES
 
 
@@ -48,7 +48,7 @@ def expectation(told: keys.Expect, node: Item | None, participants: Participants
     return Expectation(sign(told.never or told, dry_run), within, before, never)
 
 
-def sign(told: keys.Sign, dry_run: DryRun) -> Sign:
+def sign(told: keys.Sign, dry_run: DryRun) -> Matcher:
     """The one thing that is told.
 
     Raises:
@@ -64,38 +64,38 @@ def _is_none(value: object) -> bool:
     return isinstance(value, Item) and value.text == NONE
 
 
-def _emcy(told: Item | keys.Emcy, *_: object) -> Sign:
+def _emcy(told: Item | keys.Emcy, *_: object) -> Matcher:
     if isinstance(told, Item):
         return EmcyLike()
     fields = (told.code, told.bits, told.detail)
     return EmcyLike(*(None if field is None else field.whole for field in fields))
 
 
-def _frame(told: Item, _: DryRun, by_master: bool) -> Sign:
+def _frame(told: Item, _: DryRun, by_master: bool) -> Matcher:
     return FrameLike(told.text.strip().replace(".", "").upper(), by_master)
 
 
-def _heartbeat(told: Item, *_: object) -> Sign:
+def _heartbeat(told: Item, *_: object) -> Matcher:
     return HeartbeatLike(HEARTBEATS.get(told.text))
 
 
-def _value(told: Told, dry_run: DryRun, *_: object) -> Sign:
+def _value(told: Told, dry_run: DryRun, *_: object) -> Matcher:
     return Holds(wanted(told, dry_run.targets.find))
 
 
-def _state(told: Item, *_: object) -> Sign:
+def _state(told: Item, *_: object) -> Matcher:
     return Entered(STATES[told.text])
 
 
-def _write(told: Told, dry_run: DryRun, *_: object) -> Sign:
+def _write(told: Told, dry_run: DryRun, *_: object) -> Matcher:
     return Written(wanted(told, dry_run.targets.find_any))
 
 
-def _nmt(told: Item, *_: object) -> Sign:
+def _nmt(told: Item, *_: object) -> Matcher:
     return Commanded(COMMANDS[told.text])
 
 
-SIGNS: Mapping[str, Callable[..., Sign]] = {
+SIGNS: Mapping[str, Callable[..., Matcher]] = {
     "emcy": _emcy,
     "value": _value,
     "frame": _frame,

@@ -2,11 +2,11 @@
 
 from canopen_twins.files.document import Item
 from canopen_twins.files.problems import Noted
-from canopen_twins.scenario.expect import Expectation
+from canopen_twins.scenario.actions import Action, Expectation
 from canopen_twins.scenario.reading.participants import Participants
 from canopen_twins.scenario.reading.signs import condition
 from canopen_twins.scenario.reading.verbs import action
-from canopen_twins.scenario.scenario import Action, After, At, Moment, Step
+from canopen_twins.scenario.scenario import After, At, Moment, Step
 from canopen_twins.scenario.schema import AnyStep
 from canopen_twins.scenario.schema import Step as Told
 

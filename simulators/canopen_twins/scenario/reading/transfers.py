@@ -3,13 +3,12 @@
 from collections.abc import Mapping
 
 from canopen_twins.files.document import Item
-from canopen_twins.scenario.access import PATIENCE, Download, Read, Write
+from canopen_twins.scenario.actions import PATIENCE, Action, Download, Read, Write
 from canopen_twins.scenario.reading.dry_run import DryRun
 from canopen_twins.scenario.reading.payload import check_readable, check_writable, encode
 from canopen_twins.scenario.reading.values import Told, wanted
-from canopen_twins.scenario.scenario import Action
 from canopen_twins.scenario.schema import AnyStep
-from canopen_twins.scenario.sdo import ACCEPTED
+from canopen_twins.scenario.sdo_client import ACCEPTED
 from canopen_twins.scenario.targets import Target
 from canopen_twins.scenario.words import NONE
 

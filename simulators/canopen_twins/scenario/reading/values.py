@@ -4,9 +4,9 @@ from collections.abc import Callable, Mapping
 from math import inf
 
 from canopen_twins.files.document import Item
-from canopen_twins.scenario.matchers import Anything, Range, Text, Wanted
 from canopen_twins.scenario.schema import Wanted as Limits
 from canopen_twins.scenario.targets import Target
+from canopen_twins.scenario.values import Anything, Range, Text, Wanted
 from canopen_twins.scenario.words import ANY
 
 Told = Mapping[Item, Item | Limits]

@@ -5,13 +5,11 @@ from collections.abc import Callable, Mapping
 from canopen_twins.bus.frame import Frame
 from canopen_twins.files.document import Item
 from canopen_twins.files.problems import Noted
-from canopen_twins.scenario.actions import Clear, Inject, Nmt, Power, Send, Set
-from canopen_twins.scenario.expect import Expectation
-from canopen_twins.scenario.matchers import COMMANDS
+from canopen_twins.scenario.actions import Action, Clear, Expectation, Inject, Nmt, Power, Send, Set
+from canopen_twins.scenario.matchers import COMMANDS, Condition
 from canopen_twins.scenario.reading.participants import Participants
 from canopen_twins.scenario.reading.signs import condition, expectation
 from canopen_twins.scenario.reading.transfers import read, write
-from canopen_twins.scenario.scenario import Action, Condition
 from canopen_twins.scenario.schema import AnyStep, Expect
 from canopen_twins.scenario.words import ALL_FAULTS, SWITCHES
 

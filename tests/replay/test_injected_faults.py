@@ -1,4 +1,4 @@
-"""Faults of a scenario heal by themselves if they are told to."""
+"""Faults of a scenario end by themselves if they are told to."""
 
 import pytest
 
