@@ -96,11 +96,11 @@ def _pdo(frame: Frame, pdo: Pdo, slave: Slave) -> str:
     name = f"{type(pdo).__name__.upper()}{pdo.number}"
     if frame.remote:
         return f"{name} requested"
-    values, data = [], frame.data
-    for entry, size in pdo.parts():
-        part, data = data[:size], data[size:]
-        if entry is not None and len(part) == size:
-            values.append(f"{entry.variable.name} = {entry.unpack(part)}")
+    values = [
+        f"{entry.variable.name} = {entry.unpack(frame.data[part])}"
+        for entry, _, part in pdo.parts()
+        if entry is not None and part.stop <= len(frame.data)
+    ]
     return f"{name} {', '.join(values)}"
 
 

@@ -10,7 +10,7 @@ from canopen_twins.slave import cob_id as cob_ids
 from canopen_twins.slave.emcy import emcy_id
 from canopen_twins.slave.nmt import ALL_NODES, TARGET
 from canopen_twins.slave.object import Address, Entry, Rejected
-from canopen_twins.slave.pdo import COB_ID, SYNCHRONOUS, TRANSMISSION_TYPE, mapped
+from canopen_twins.slave.pdo import COB_ID, SYNCHRONOUS, TRANSMISSION_TYPE, carried
 from canopen_twins.slave.rpdo import Rpdo
 from canopen_twins.slave.service import State
 from canopen_twins.slave.slave import Slave
@@ -54,8 +54,8 @@ def _obstacle(entry: Entry, about: Sequence[Address]) -> str:
 def ways(view: View, slave: Slave, about: Sequence[Address]) -> Iterator[str]:
     """How a master could have written objects, other than by SDO."""
     for number in Rpdo.numbers(slave):
-        for entry in _mapped(slave, number):
-            if entry.address in about:
+        for entry, *_ in carried(slave, Rpdo.mapping + number - 1):
+            if entry is not None and entry.address in about:
                 record = Rpdo.communication + number - 1
                 cob_id = slave.number(record, COB_ID)
                 off = f", which is off: bit 31 of {view.named((record, COB_ID))} is set"
@@ -63,14 +63,6 @@ def ways(view: View, slave: Slave, about: Sequence[Address]) -> Iterator[str]:
                 yield f"{view.named(entry.address)} is in {way}" + (
                     off if cob_id & cob_ids.INVALID else ""
                 )
-
-
-def _mapped(slave: Slave, number: int) -> Iterator[Entry]:
-    try:
-        parts = mapped(slave, Rpdo.mapping + number - 1)
-    except Rejected:
-        return
-    yield from (entry for entry, _ in parts if isinstance(entry, Entry))
 
 
 COMMAND_LENGTH = 2
@@ -224,20 +216,13 @@ def _tpdo(view: View, slave: Slave, number: int, record: int) -> str:
         return f"it is off, bit 31 of {view.named((record, COB_ID))} is set"
     if state not in Tpdo.active_in:
         return f"the node is {state.lower()}, without PDO{view.service('states')}"
-    if not _carries(slave, Tpdo.mapping + number - 1):
+    if not carried(slave, Tpdo.mapping + number - 1):
         return f"nothing is mapped in {view.named((Tpdo.mapping + number - 1, 0))}"
     if kind in ON_REQUEST:
         return f"it comes on a remote request, {view.named((record, TRANSMISSION_TYPE))} is {kind}"
     if kind in SYNCHRONOUS:
         return f"it comes with a SYNC, {view.named((record, TRANSMISSION_TYPE))} is {kind}"
     return f"it has its own moments{view.service('pdo')}"
-
-
-def _carries(slave: Slave, mapping: int) -> bool:
-    try:
-        return bool(mapped(slave, mapping))
-    except Rejected:
-        return False
 
 
 def _heartbeat(view: View, slave: Slave) -> str:

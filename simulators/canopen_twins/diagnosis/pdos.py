@@ -6,8 +6,7 @@ from math import inf
 from canopen_twins.bus.segment import Record
 from canopen_twins.diagnosis.view import Line, View
 from canopen_twins.slave import cob_id as cob_ids
-from canopen_twins.slave.object import Rejected
-from canopen_twins.slave.pdo import COB_ID, Mapped, Pdo, mapped
+from canopen_twins.slave.pdo import COB_ID, Pdo, carried
 from canopen_twins.slave.rpdo import Rpdo
 from canopen_twins.slave.slave import Slave
 from canopen_twins.slave.tpdo import Tpdo
@@ -59,30 +58,22 @@ def _not_sent(view: View, slave: Slave, number: int, record: Record, until: floa
     """A remote request may be forbidden, or find nothing that is mapped."""
     if _cob_id(slave, Tpdo, number) & cob_ids.NO_RTR:
         return f"not sent: bit 30 of {view.named((Tpdo.communication + number - 1, COB_ID))} is set"
-    if not _parts(slave, Tpdo, number):
+    if not carried(slave, Tpdo.mapping + number - 1):
         return f"not sent: nothing is mapped in {view.named((Tpdo.mapping + number - 1, 0))}"
     return ""
 
 
 def _not_taken(view: View, slave: Slave, number: int, record: Record, until: float) -> str:
     """Data may be too few, refused by an object, or of no use at this moment."""
-    parts, data = _parts(slave, Rpdo, number), record.frame.data
-    length = sum(size for _, size in parts)
+    parts, data = carried(slave, Rpdo.mapping + number - 1), record.frame.data
+    length = sum(each.size for each in parts)
     if len(data) < length:
         return f"not taken: {len(data)} of {length} bytes{view.service('pdo')}"
     note = view.refusal(record.frame, record.time, until)
     if note is not None and note.address is not None:
         return f"refused: {note.words}, {view.named(note.address)}"
-    for entry, size in parts:
-        part, data = data[:size], data[size:]
+    for entry, _, part in parts:
         acts = None if entry is None else entry.obstacle
-        if entry is not None and acts is not None and (obstacle := acts(entry.unpack(part))):
+        if entry is not None and acts is not None and (obstacle := acts(entry.unpack(data[part]))):
             return f"without effect: {obstacle}, {view.named(entry.address)}"
     return ""
-
-
-def _parts(slave: Slave, kind: type[Pdo], number: int) -> list[Mapped]:
-    try:
-        return mapped(slave, kind.mapping + number - 1)
-    except Rejected:
-        return []

@@ -1,12 +1,15 @@
-"""The object dictionary of an EDS file, for the node id it is wanted for."""
+"""The object dictionary of an EDS file, for the node id it is wanted for, and its names."""
 
 import pickle
+import re
+from collections.abc import Iterator
 from functools import cache
 from typing import Any
 
 from canopen import ObjectDictionary, import_od
 from canopen.objectdictionary import ODVariable
 
+from canopen_twins.bus.sdo import Address
 from canopen_twins.files.shipped import od_file
 
 NUMBERS = ("default", "value")  # of a variable; beside each is its text, such as `default_raw`
@@ -46,3 +49,25 @@ def dictionary(eds: str, node_id: int) -> ObjectDictionary:
     if od.node_id is not None:
         od.node_id = node_id
     return od
+
+
+ADDRESS = re.compile(r"0x([0-9A-Fa-f]{4})(?::([0-9A-Fa-f]{2}))?")
+
+
+def parse_address(text: str) -> tuple[int, int | None] | None:
+    """Index and sub-index of 0x1003:0A, no sub-index of 0x2014; none if the text is no address."""
+    if not (match := ADDRESS.fullmatch(text)):
+        return None
+    return int(match[1], 16), int(match[2], 16) if match[2] else None
+
+
+def address_text(address: Address) -> str:
+    """An address as users write it: 0x1003:0A."""
+    return f"0x{address[0]:04X}:{address[1]:02X}"
+
+
+def entries(od: ObjectDictionary) -> Iterator[tuple[str, ODVariable]]:
+    """Every entry with the name that users call it by: Run command, or Record.Entry."""
+    for item in od.names.values():
+        for variable in variables(item).values():
+            yield variable.qualname, variable

@@ -21,6 +21,8 @@ class Mapped(NamedTuple):
 
     entry: Entry | None
     size: int
+    part: slice
+    """Its place in the data of the PDO, `size` bytes."""
 
 
 def mapped(slave: Slave, index: int) -> list[Mapped]:
@@ -29,13 +31,23 @@ def mapped(slave: Slave, index: int) -> list[Mapped]:
     Raises:
         Rejected: the mapping names an object that does not exist.
     """
-    return [_part(slave, slave.number(index, sub)) for sub in range(1, slave.number(index) + 1)]
+    parts: list[Mapped] = []
+    begin = 0
+    for subindex in range(1, slave.number(index) + 1):
+        value = slave.number(index, subindex)
+        entry = None if value >> 16 in DUMMIES else slave.entry(value >> 16, value >> 8 & 0xFF)
+        size = (value & 0xFF) // BYTE
+        parts.append(Mapped(entry, size, slice(begin, begin + size)))
+        begin += size
+    return parts
 
 
-def _part(slave: Slave, value: int) -> Mapped:
-    index, subindex, bits = value >> 16, value >> 8 & 0xFF, value & 0xFF
-    entry = None if index in DUMMIES else slave.entry(index, subindex)
-    return Mapped(entry, bits // BYTE)
+def carried(slave: Slave, index: int) -> list[Mapped]:
+    """The same for whoever only looks: nothing if the mapping names an object that is not there."""
+    try:
+        return mapped(slave, index)
+    except Rejected:
+        return []
 
 
 class MappingRules:

@@ -35,9 +35,9 @@ class Rpdo(Pdo):
             self._latched = None
         if self.cob_id is None:
             return
-        for entry, size in self.parts():
+        for entry, size, part in self.parts():
             if entry is not None:
-                self._slices.append((entry, slice(self._length, self._length + size)))
+                self._slices.append((entry, part))
             self._length += size
         yield (self.cob_id, False), self.on_data
         if self._waits_for_sync:

@@ -136,7 +136,7 @@ class Tpdo(Pdo):
         if cob_id is None:
             self._begin_anew()
         parts = self.parts() if cob_id is not None else []
-        self._entries = [entry for entry, _ in parts if entry is not None]
+        self._entries = [part.entry for part in parts if part.entry is not None]
         self._type = self.transmission_type
         self._cob_id = cob_id or 0
         self._follow_timing()

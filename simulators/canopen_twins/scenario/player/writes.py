@@ -7,8 +7,8 @@ from canopen_twins.device.node import Node
 from canopen_twins.scenario.matchers import Sent, Wrote
 from canopen_twins.scenario.player.downloads import Downloads
 from canopen_twins.slave.cob_id import CAN_ID, INVALID
-from canopen_twins.slave.object import Address, Entry, Rejected
-from canopen_twins.slave.pdo import COB_ID, mapped
+from canopen_twins.slave.object import Address
+from canopen_twins.slave.pdo import COB_ID, carried
 from canopen_twins.slave.slave import Slave
 
 REQUEST_LENGTH = 8
@@ -67,14 +67,4 @@ def _rpdos(slave: Slave) -> Mapping[int, Slices]:
 
 
 def _slices(slave: Slave, index: int) -> Slices:
-    try:
-        parts = mapped(slave, index)
-    except Rejected:
-        return []
-    slices: Slices = []
-    length = 0
-    for entry, size in parts:
-        if isinstance(entry, Entry):
-            slices.append((entry.address, slice(length, length + size)))
-        length += size
-    return slices
+    return [(entry.address, part) for entry, _, part in carried(slave, index) if entry is not None]
