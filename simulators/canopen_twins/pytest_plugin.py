@@ -245,7 +245,7 @@ def _option(config: pytest.Config, name: str) -> Any:
 MODULES = {
     "canopen_bench": ("canopen_twins.diagnosis.report",),
     "canopen_device": ("canopen_twins.live.served",),
-    "canopen_scenario": ("canopen_twins.scenario.bench", "canopen_twins.scenario.reading.scenario"),
+    "canopen_scenario": ("canopen_twins.scenario.bench", "canopen_twins.scenario.compile"),
     "canopen_simulated_time": ("canopen_twins.bench.simulated_time",),
 }
 

@@ -87,7 +87,7 @@ def shapes(sets: Collection[str], otherwise: str) -> Rule:
     def check(item: Item, known: Collection[str]) -> None:
         if not item.pairs.keys() <= set(known):
             raise Reported
-        if item.pairs.keys() not in map(set, allowed):
+        if item.pairs.keys() not in [set(keys) for keys in allowed]:
             raise item.wrong(otherwise)
 
     schemas = [{"required": keys, "maxProperties": len(keys)} for keys in allowed]

@@ -11,7 +11,7 @@ waited for or expected is a sign (`signs`). docs/explanation/how-a-scenario-is-j
 whole map. Bench files say in the same words who is on a bus.
 """
 
-from canopen_twins.files.problems import DocumentError as ScenarioError
+from canopen_twins.files.document import DocumentError as ScenarioError
 from canopen_twins.scenario.load import load, load_bench
 from canopen_twins.scenario.play import begin, finish, play, print_frames
 from canopen_twins.scenario.player import Event, Player

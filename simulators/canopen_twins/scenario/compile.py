@@ -1,10 +1,10 @@
-"""Makes scenarios of their files: all that is wrong is told at once, before anything is on a bus."""
+"""Scenarios of their files: all that is wrong is told at once, before anything is on a bus."""
 
 from collections.abc import Callable, Mapping, Sequence
 from math import inf
 from pathlib import Path
 
-from canopen_twins.errors import UserError
+from canopen_twins.device.node import Node
 from canopen_twins.files.document import Item, Reported
 from canopen_twins.files.table import understand_table
 from canopen_twins.scenario import schema
@@ -171,9 +171,7 @@ def _node(step: schema.AnyStep, participants: Participants) -> Rehearsal:
     return participants.rehearsal(step.node, step.place)
 
 
-def _write(
-    values: Mapping[Item, Item], step: schema.AnyStep, participants: Participants
-) -> Action:
+def _write(values: Mapping[Item, Item], step: schema.AnyStep, participants: Participants) -> Action:
     """`{Run command: 1}`, `{0x1800:02: 253}`; with `abort` the one object is refused."""
     objects, refused = _node(step, participants).objects, _is_refused(step, "write")
     find = objects.find_any if refused else objects.find
@@ -197,6 +195,18 @@ def _is_refused(step: schema.AnyStep, verb: str) -> bool:
     if step.abort != ACCEPTED and len(objects.pairs) > 1:
         raise objects.wrong("one object at a time can be refused; make it several steps")
     return step.abort != ACCEPTED
+
+
+def _nmt(command: int, step: schema.AnyStep, participants: Participants) -> Action:
+    _node(step, participants)
+    return Nmt(command)
+
+
+def _power(
+    switch: Callable[[Node], None], step: schema.AnyStep, participants: Participants
+) -> Action:
+    _node(step, participants)
+    return Power(switch)
 
 
 def _inject(
@@ -234,8 +244,8 @@ VERBS: Mapping[str, Callable[..., Action]] = {
     "write": _write,
     "read": _read,
     "send": lambda frame, *_: Send(frame),
-    "nmt": lambda command, *step: _node(*step).does(Nmt(command)),
-    "power": lambda switch, *step: _node(*step).does(Power(switch)),
+    "nmt": _nmt,
+    "power": _power,
     "inject": _inject,
     "clear": _clear,
     "expect": _expect,
@@ -306,8 +316,11 @@ def _range(target: Target, wanted: schema.Wanted) -> Range:
         high = inf if wanted.high is None else wanted.high
     if low > high:
         raise wanted.place.wrong(f"no value is in {low}..{high}")
-    written = [pair.value for pair in wanted.place.pairs.values()]
-    return Range(low, high, any(map(_is_hexadecimal, written)))
+    given = (pair.value for key, pair in wanted.place.pairs.items() if key in NUMBERS)
+    return Range(low, high, any(map(_is_hexadecimal, given)))
+
+
+NUMBERS = ("is", "tolerance", "min", "max")
 
 
 def _is_hexadecimal(item: Item) -> bool:

@@ -64,7 +64,9 @@ class Rehearsal:
             self._faults.inject(name.text, **taken)
         if heals:
             if fault.clear is None:
-                raise name.wrong(f"fault {name.text!r} is over at once: leave 'for' and 'until' out")
+                raise name.wrong(
+                    f"fault {name.text!r} is over at once: leave 'for' and 'until' out"
+                )
             self._faults.clear(name.text)
         return taken
 

@@ -287,9 +287,7 @@ class AnyStep(Table):
     """Puts a frame on the bus, as cansend writes it."""
     nmt: Command | None = None
     """Commands the node as the NMT master."""
-    power: (
-        Annotated[Callable[[Twin], None], word("position of the supply", SWITCHES)] | None
-    ) = None
+    power: Annotated[Callable[[Twin], None], word("position of the supply", SWITCHES)] | None = None
     """Switches the supply of the node on or off."""
     inject: Faults | None = None
     """Lets something go wrong: a fault by its name, with parameters if it has some."""

@@ -60,6 +60,16 @@ class Targets:
         address = parsed[0], parsed[1] or 0
         return Target(text, address, self._known.get(address_text(address)))
 
+    def find_readable(self, text: str) -> Target:
+        """The same; raises also if the EDS lets nobody read it."""
+        target = self.find(text)
+        if target.variable is not None and not target.variable.readable:
+            raise UserError(
+                f"{target.variable.name!r} is write only; "
+                "if that is the point, put abort: 0x06010001 beside"
+            )
+        return target
+
     def _address(self, text: str) -> str:
         if not parse_address(text):
             raise UserError(f"{text!r} is no address; addresses look like 0x2014 or 0x1003:0A")

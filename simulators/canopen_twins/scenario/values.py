@@ -65,15 +65,6 @@ def encode(target: Target, item: Item, limited: bool) -> bytes:
     return _fit(item, lambda: ODVariable.STRUCT_TYPES[data_type].pack(value))
 
 
-def check_readable(target: Target) -> None:
-    """Raises `UserError` if the EDS lets nobody read an object."""
-    if target.variable is not None and not target.variable.readable:
-        raise UserError(
-            f"{target.variable.name!r} is write only; "
-            "if that is the point, put abort: 0x06010001 beside"
-        )
-
-
 def _in_range(variable: ODVariable, item: Item, limited: bool) -> int:
     bits = len(variable)
     signed = variable.data_type in SIGNED_TYPES

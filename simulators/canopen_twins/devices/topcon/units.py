@@ -9,9 +9,8 @@ from typing import Any
 from canopen_twins.devices.topcon.model import OutputStage, UnitType, parse_load
 from canopen_twins.devices.topcon.settings import Settings
 from canopen_twins.errors import UserError, unknown
-from canopen_twins.files.document import Item, understand, values
+from canopen_twins.files.document import Item, Scalar, understand, values
 from canopen_twins.files.shipped import od_file
-from canopen_twins.files.yaml_nodes import Scalar
 
 VERSION = 1
 KINDS: Mapping[Any, Callable[[Item], Scalar]] = {
