@@ -9,7 +9,7 @@ import canopen_twins.bench.simulated_time
 import canopen_twins.cli.commands.scenarios
 import canopen_twins.live.served
 import canopen_twins.scenario.bench
-import canopen_twins.scenario.junit  # noqa: F401
+import canopen_twins.scenario.verdict  # noqa: F401
 
 HEAD = "version: 1\nname: {name}\nnode: {{device: topcon, node_id: 5}}\nsteps:\n"
 

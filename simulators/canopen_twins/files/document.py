@@ -13,9 +13,8 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 import yaml
-from yaml.composer import Composer, ComposerError
+from yaml.composer import ComposerError
 from yaml.reader import ReaderError
-from yaml.resolver import Resolver
 
 from canopen_twins.errors import UserError, unknown
 
@@ -64,21 +63,19 @@ class Problems:
         places = sorted(self._found)
         return DocumentError([f"{self._file}:{line}:{col}: {text}" for line, col, text in places])
 
-    def add(self, mark: yaml.Mark, text: str) -> None:
-        """Take something wrong at a place."""
-        self._found.add((mark.line + 1, mark.column + 1, text))
+    def add(self, refusal: UserError, place: yaml.Mark) -> None:
+        """Take something that is wrong; what knows no place is blamed on this one."""
+        mark = refusal.mark if isinstance(refusal, Mistake) else place
+        if not isinstance(refusal, Reported):
+            self._found.add((mark.line + 1, mark.column + 1, str(refusal)))
 
     @contextmanager
     def at(self, place: "Item") -> Iterator[None]:
-        """Take what is wrong inside and go on behind; what knows no place is blamed on this one."""
+        """Take what is wrong inside, and go on behind."""
         try:
             yield
-        except Reported:
-            pass
-        except Mistake as mistake:
-            self.add(mistake.mark, str(mistake))
         except UserError as refusal:
-            self.add(place.mark, str(refusal))
+            self.add(refusal, place.mark)
 
 
 class Pair(NamedTuple):
@@ -224,7 +221,7 @@ def understand(path: Path, mean: Callable[[Item], Meaning]) -> Meaning:
     try:
         item = Item(compose(text), problems)
     except Mistake as mistake:
-        problems.add(mistake.mark, str(mistake))
+        problems.add(mistake, mistake.mark)
         raise problems.error from mistake
     with problems.at(item):
         meaning = mean(item)
@@ -255,69 +252,54 @@ def values(
     missing = [name for name in known if name not in {*table.pairs, *optional}]
     if missing:
         verb = "is" if len(missing) == 1 else "are"
-        table.problems.add(table.mark, f"{', '.join(map(repr, missing))} {verb} missing")
+        text = f"{', '.join(map(repr, missing))} {verb} missing"
+        table.problems.add(UserError(text), table.mark)
     if missing or len(taken) < len(table.pairs):
         raise Reported
     return taken
 
 
-TAG = "tag:yaml.org,2002:"
-READERS: Mapping[str, Callable[[str], Scalar]] = {
-    TAG + "int": lambda text: int(text, 0),
-    TAG + "float": float,
-    TAG + "bool": lambda text: text == "true",
-    TAG + "null": lambda _: None,
-}
-PATTERNS = (
-    ("int", r"[-+]?(0|[1-9][0-9]{0,18})|0x[0-9A-Fa-f]{1,16}", "-+0123456789"),
-    ("float", r"[-+]?(0|[1-9][0-9]*)(\.[0-9]+)?([eE][-+]?[0-9]+)?", "-+0123456789"),
-    ("bool", r"true|false", "tf"),
-    ("null", r"null|~|", ["n", "~", ""]),
-)
-DECEPTIVE = re.compile(r"[-+]?(0[0-9]+|[0-9][0-9_]*_[0-9_]*|0[bo][0-9]+)(\.[0-9]*)?")
 FASTEST = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # libyaml, where there is one
+DEEPEST = 64  # levels
 
 
-class Nodes(Composer, Resolver):
-    """Composes the nodes of a text, constructs nothing."""
+def nodes(text: str, parser: Any = FASTEST) -> yaml.Node | None:
+    """The node of a whole text, without tags; None of nothing but comments.
 
-    yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012 - as PyYAML has it
-
-    def __init__(self, text: str, parser: Any = FASTEST) -> None:
-        super().__init__()
-        Resolver.__init__(self)
-        self._events: Iterator[yaml.Event] = yaml.parse(text, parser)
-        self._next: yaml.Event | None = None
-
-    def peek_event(self) -> Any:
-        """The next event of the text."""
-        if self._next is None:
-            self._next = next(self._events)
-        return self._next
-
-    def get_event(self) -> Any:
-        """The same, taken away."""
-        event, self._next = self.peek_event(), None
-        return event
-
-    def check_event(self, *kinds: type[yaml.Event]) -> bool:
-        """Whether the next is one of these."""
-        return isinstance(self.peek_event(), kinds)
-
-    def compose_node(self, parent: Any, index: Any) -> Any:
-        """One node; a value stands where it is used."""
-        event = self.peek_event()
-        if isinstance(event, yaml.AliasEvent) or event.anchor is not None:
-            problem = "there are no anchors and aliases here: write it out"
-        elif event.tag is not None:
-            problem = f"there are no tags here: leave {event.tag!r} out"
-        else:
-            return super().compose_node(parent, index)
-        raise ComposerError(None, None, problem, event.start_mark)
+    Raises:
+        yaml.YAMLError: it is no YAML of ours.
+        RecursionError: it is nested too deeply.
+    """
+    events = yaml.parse(text, parser)
+    next(events)  # the stream starts
+    if isinstance(next(events), yaml.StreamEndEvent):
+        return None
+    node = _node(next(events), events, DEEPEST)
+    next(events)  # the document ends
+    end: Any = next(events)
+    if not isinstance(end, yaml.StreamEndEvent):
+        what = "expected a single document in the stream", "but found another document"
+        raise ComposerError(what[0], node.start_mark, what[1], end.start_mark)
+    return node
 
 
-for kind, pattern, first in PATTERNS:
-    Nodes.add_implicit_resolver(TAG + kind, re.compile(f"(?:{pattern})$"), list(first))
+def _node(event: Any, events: Iterator[Any], levels: int) -> yaml.Node:
+    mark: Any = event.start_mark
+    if isinstance(event, yaml.AliasEvent) or event.anchor is not None:
+        problem = "there are no anchors and aliases here: write it out"
+        raise ComposerError(None, None, problem, mark)
+    if event.tag is not None:
+        raise ComposerError(None, None, f"there are no tags here: leave {event.tag!r} out", mark)
+    if isinstance(event, yaml.ScalarEvent):
+        return yaml.ScalarNode("", event.value, mark, style=event.style)
+    if not levels:
+        raise RecursionError
+    inner: list[yaml.Node] = []
+    while not isinstance(child := next(events), yaml.CollectionEndEvent):
+        inner.append(_node(child, events, levels - 1))
+    if isinstance(event, yaml.SequenceStartEvent):
+        return yaml.SequenceNode("", inner, mark)
+    return yaml.MappingNode("", [*zip(inner[::2], inner[1::2], strict=True)], mark)
 
 
 def _text(path: Path) -> str:
@@ -338,13 +320,13 @@ def compose(text: str) -> yaml.Node:
     """The node of a whole file.
 
     Raises:
-        Mistake: it is no YAML, empty, or nested deeper than Python likes.
+        Mistake: it is no YAML of ours, empty, or nested too deeply.
     """
     try:
         try:
-            node: yaml.Node | None = Nodes(text).get_single_node()
+            node = nodes(text)
         except yaml.YAMLError:  # Python's parser tells better what is wrong, and where
-            node = Nodes(text, yaml.SafeLoader).get_single_node()
+            node = nodes(text, yaml.SafeLoader)
     except yaml.MarkedYAMLError as failure:
         what = ", ".join(filter(None, (failure.context, failure.problem)))
         raise Mistake(failure.problem_mark or _mark(text, 0), what) from failure
@@ -357,18 +339,31 @@ def compose(text: str) -> yaml.Node:
     return node
 
 
+LOOKS: tuple[tuple[re.Pattern[str], Callable[[str], Scalar]], ...] = (
+    (re.compile(r"[-+]?(0|[1-9][0-9]{0,18})|0x[0-9A-Fa-f]{1,16}"), lambda text: int(text, 0)),
+    (re.compile(r"[-+]?(0|[1-9][0-9]*)(\.[0-9]+)?([eE][-+]?[0-9]+)?"), float),
+    (re.compile(r"true|false"), lambda text: text == "true"),
+    (re.compile(r"null|~|"), lambda _: None),
+)
+"""What a scalar without quotes looks like, and how it is taken; all else is a text."""
+DECEPTIVE = re.compile(r"[-+]?(0[0-9]+|[0-9][0-9_]*_[0-9_]*|0[bo][0-9]+)(\.[0-9]*)?")
+
+
 def scalar(node: yaml.ScalarNode) -> Scalar:
     """The value of a node as what it looks like.
 
     Raises:
         Mistake: a number that would not be the same to everybody.
     """
-    if not node.style and DECEPTIVE.fullmatch(node.value):
+    text: str = node.value
+    if node.style:
+        return text
+    if DECEPTIVE.fullmatch(text):
         raise Mistake(
             node.start_mark,
-            f"{node.value} may be taken for different numbers: write 16, 0x10 or 0.5, or a 'text'",
+            f"{text} may be taken for different numbers: write 16, 0x10 or 0.5, or a 'text'",
         )
-    return READERS.get(node.tag, str)(node.value)
+    return next((take(text) for look, take in LOOKS if look.fullmatch(text)), text)
 
 
 def _mark(text: str, position: int) -> yaml.Mark:

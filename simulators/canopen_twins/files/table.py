@@ -106,12 +106,8 @@ class Leaf:
     """Raises `UserError` if it is not what is wanted."""
     schema: Mapping[str, Any]
 
-    def _read(self, item: Item) -> object:
-        with item.blamed():
-            return self.mean(item)
-
     def __get_pydantic_core_schema__(self, _: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self._read)
+        return core_schema.no_info_plain_validator_function(self.mean)
 
     def __get_pydantic_json_schema__(
         self, _: CoreSchema, handler: GetJsonSchemaHandler
@@ -141,8 +137,10 @@ class Table(BaseModel):
         known = [field.alias or name for name, field in cls.model_fields.items()]
         values = {key: pair.value for key, pair in item.pairs.items()}
         for rule in cls.rules:
-            with item.problems.at(item):
+            try:
                 rule.check(item, known)
+            except UserError as refusal:
+                item.problems.add(refusal, item.mark)
         try:
             table = handler(values)
         except ValidationError as failure:
@@ -175,8 +173,7 @@ def _report(item: Item, failure: ValidationError, known: Collection[str] = ()) -
         place = item
         if key is not None and (pair := item.pairs.get(str(key))):
             place = pair.place(known)
-        with item.problems.at(place):
-            raise REFUSALS[error["type"]](error, known)
+        item.problems.add(REFUSALS[error["type"]](error, known), place.mark)
         wrong.add(key)
     return wrong
 

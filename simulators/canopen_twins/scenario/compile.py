@@ -5,6 +5,7 @@ from math import inf
 from pathlib import Path
 
 from canopen_twins.device.node import Node
+from canopen_twins.errors import UserError
 from canopen_twins.files.document import Item, Reported
 from canopen_twins.files.table import understand_table
 from canopen_twins.scenario import schema
@@ -345,7 +346,7 @@ def _check_length(places: Sequence[Item], steps: Sequence[Step], duration: float
     for number, (place, step, begin) in enumerate(zip(places, steps, begins, strict=True)):
         in_vain = _is_open(step) and length <= begin
         if in_vain and (duration is not None or not _is_waited_for(steps, number)):
-            place.problems.add(place.mark, IN_VAIN)
+            place.problems.add(UserError(IN_VAIN), place.mark)
 
 
 def _begins(steps: Sequence[Step]) -> list[float]:

@@ -8,7 +8,7 @@ from typing import TextIO
 from canopen_twins.errors import UserError
 from canopen_twins.files.whole import write_whole
 from canopen_twins.scenario import Verdict
-from canopen_twins.scenario.junit import document, junit
+from canopen_twins.scenario.verdict import as_json, as_junit
 
 
 class Announcer:
@@ -51,8 +51,8 @@ class Announcer:
         """
         if self._junit is not None:
             try:
-                write_whole(self._junit, junit(self._verdicts))
+                write_whole(self._junit, as_junit(self._verdicts))
             except OSError as failure:
                 raise UserError(f"{self._junit} cannot be written: {failure.strerror}") from failure
         if self._json:
-            print(document(self._verdicts), flush=True)
+            print(as_json(self._verdicts), flush=True)
