@@ -241,7 +241,7 @@ def values(
         optional: Those that may be left out.
 
     Raises:
-        Reported: something was wrong.
+        UserError: something was wrong.
     """
     taken = {}
     for name, pair in table.pairs.items():
@@ -252,9 +252,8 @@ def values(
     missing = [name for name in known if name not in {*table.pairs, *optional}]
     if missing:
         verb = "is" if len(missing) == 1 else "are"
-        text = f"{', '.join(map(repr, missing))} {verb} missing"
-        table.problems.add(UserError(text), table.mark)
-    if missing or len(taken) < len(table.pairs):
+        raise table.wrong(f"{', '.join(map(repr, missing))} {verb} missing")
+    if len(taken) < len(table.pairs):
         raise Reported
     return taken
 
@@ -278,8 +277,8 @@ def nodes(text: str, parser: Any = FASTEST) -> yaml.Node | None:
     next(events)  # the document ends
     end: Any = next(events)
     if not isinstance(end, yaml.StreamEndEvent):
-        what = "expected a single document in the stream", "but found another document"
-        raise ComposerError(what[0], node.start_mark, what[1], end.start_mark)
+        problem = "expected a single document in the stream, but found another document"
+        raise ComposerError(None, None, problem, end.start_mark)
     return node
 
 
@@ -367,6 +366,5 @@ def scalar(node: yaml.ScalarNode) -> Scalar:
 
 
 def _mark(text: str, position: int) -> yaml.Mark:
-    line_start = text.rfind("\n", 0, position) + 1
-    line = text.count("\n", 0, position)
-    return yaml.Mark("", position, line, position - line_start, None, 0)
+    *_, line = text[:position].rpartition("\n")
+    return yaml.Mark("", position, text.count("\n", 0, position), len(line), None, 0)

@@ -178,13 +178,8 @@ def _report(item: Item, failure: ValidationError, known: Collection[str] = ()) -
     return wrong
 
 
-def _own(error: ErrorDetails, _: Collection[str]) -> UserError:
-    refusal: UserError = error["ctx"]["error"]
-    return refusal
-
-
 REFUSALS: Mapping[str, Callable[[ErrorDetails, Collection[str]], UserError]] = {
-    "value_error": _own,
+    "value_error": lambda error, _: error["ctx"]["error"],
     "extra_forbidden": lambda error, known: unknown("key", error["loc"][0], known),
     "missing": lambda error, _: UserError(f"{error['loc'][0]!r} is missing"),
     "too_short": lambda *_: UserError("empty; at least one key with a value is wanted here"),
@@ -228,11 +223,10 @@ def understand_table(
 class _Generate(GenerateJsonSchema):
     """A key that may be left out has no value instead: `null` would be one."""
 
-    def nullable_schema(self, schema: core_schema.NullableSchema) -> JsonSchemaValue:
+    def nullable_schema(self, schema: Any) -> JsonSchemaValue:
         return self.generate_inner(schema["schema"])
 
-    def default_schema(self, schema: core_schema.WithDefaultSchema) -> JsonSchemaValue:
-        return self.generate_inner(schema["schema"])
+    default_schema = nullable_schema
 
     def field_title_should_be_set(self, schema: Any) -> bool:
         return False

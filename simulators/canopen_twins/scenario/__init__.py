@@ -1,7 +1,7 @@
 """Scenarios: read from a file, played on a segment, and judged.
 
-    file/       which keys there are         -> tables, and their JSON Schema
-    reading/    what the keys mean           -> a `Scenario` of `Step`s
+    schema.py   which keys there are         -> tables, and their JSON Schema
+    compile.py  what the keys mean           -> a `Scenario` of `Step`s
     play.py     a run in simulated time      -> a `Player` on a `Segment`
     player/     steps at their moments,
                 and who watches for signs    -> a `Verdict`
