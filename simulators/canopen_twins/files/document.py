@@ -259,7 +259,7 @@ def values(
 
 
 FASTEST = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # libyaml, where there is one
-DEEPEST = 64  # levels
+DEEPEST = 256  # levels; whoever walks down them recurses
 
 
 def nodes(text: str, parser: Any = FASTEST) -> yaml.Node | None:

@@ -70,6 +70,16 @@ def up_to(highest: int) -> Leaf:
     return Leaf(lambda item: item.whole_up_to(highest), schema)
 
 
+def as_it_stands(check: Callable[[Item], object], schema: Mapping[str, object]) -> Leaf:
+    """A value that is one by its looks; what it means says a device."""
+
+    def mean(item: Item) -> Item:
+        check(item)
+        return item
+
+    return Leaf(mean, schema)
+
+
 def _some_time(item: Item) -> float:
     if not (seconds := item.seconds):
         raise item.wrong(f"{item.text} s is no time; it has to be more")
@@ -97,21 +107,15 @@ OneFrame = Annotated[
     Frame, Leaf(lambda item: Frame.parse(item.text), {"type": "string", "pattern": FRAME})
 ]
 FrameShape = Annotated[str, Leaf(_frame_like, {"type": "string", "pattern": LIKE_A_FRAME})]
+Switch = Annotated[Callable[[Twin], None], word("position of the supply", SWITCHES)]
+Always = Annotated[str, Leaf(lambda item: item.one_of("silence", ["true"]), {"const": True})]
 Command = Annotated[int, word("NMT command", COMMANDS)]
-
-
-def item(check: Callable[[Item], object], schema: Mapping[str, object]) -> Leaf:
-    """A value that is one by its looks; what it means says a device."""
-
-    def mean(found: Item) -> Item:
-        check(found)
-        return found
-
-    return Leaf(mean, schema)
-
-
-Name = Annotated[Item, item(lambda found: found.text, {"type": "string"})]
-Scalar = Annotated[Item, item(lambda found: found.value, {"type": [*TEXT, "null"]})]
+Name = Annotated[Item, as_it_stands(lambda item: item.text, {"type": "string"})]
+Scalar = Annotated[Item, as_it_stands(lambda item: item.value, {"type": [*TEXT, "null"]})]
+NodeId = Annotated[
+    Item,
+    as_it_stands(lambda item: item.value, {"type": "integer", "minimum": 1, "maximum": 127}),
+]
 
 BY_NAME = BeforeValidator(lambda table: {pair.key: pair.value for pair in table.pairs.values()})
 Parameters = Annotated[dict[Name, Scalar], BY_NAME]
@@ -229,9 +233,7 @@ class Expect(Sign):
     """The node sends an EMCY: with these fields, `any`, or `none` at all."""
     heartbeat: Annotated[str, word("heartbeat", {**HEARTBEATS, NONE: NONE})] | None = None
     """The node sends a heartbeat with this state, `any`, or `none` at all."""
-    silence: (
-        Annotated[str, Leaf(lambda item: item.one_of("silence", ["true"]), {"const": True})] | None
-    ) = None
+    silence: Always | None = None
     """The node sends nothing at all; with `from: master`, the master."""
     never: Never | None = None
     """This must not be seen: within the time, or up to the end of the run."""
@@ -329,13 +331,7 @@ class Node(Table):
 
     device: Name
     """Which device, by its name in `canopen-twin list`."""
-    node_id: (
-        Annotated[
-            Item,
-            item(lambda found: found.value, {"type": "integer", "minimum": 1, "maximum": 127}),
-        ]
-        | None
-    ) = None
+    node_id: NodeId | None = None
     """The node id it is delivered with, 1..127."""
     settings: Parameters | None = None
     """How it is delivered and what is around it; see `canopen-twin settings DEVICE`."""
