@@ -6,9 +6,8 @@ from io import StringIO
 from pathlib import Path
 from typing import NamedTuple
 
-from canopen_twins.record.plot.run import Run as DrawnRun
-
 from canopen_twins.record import about, record
+from canopen_twins.record.plot.run import Run as DrawnRun
 from canopen_twins.scenario import Scenario, Verdict, load, play
 
 SCENARIOS = sorted(Path(__file__).parents[1].glob("scenarios/*.yaml"))

@@ -319,6 +319,6 @@ def note(item: pytest.Item) -> None:
 
 def keep(item: pytest.Item, verdict: Verdict) -> None:
     """The same with one of them."""
-    from canopen_twins.scenario.junit import properties  # noqa: PLC0415
+    from canopen_twins.scenario.verdict import as_properties  # noqa: PLC0415
 
-    item.user_properties.extend(properties(verdict))
+    item.user_properties.extend(as_properties(verdict))

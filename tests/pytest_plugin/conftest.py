@@ -6,7 +6,8 @@ import pytest
 # have as attributes: two modules of one name
 import canopen_twins.cli.check
 import canopen_twins.live.twin
-import canopen_twins.scenario.junit
+import canopen_twins.scenario.play
+import canopen_twins.scenario.verdict  # noqa: F401
 
 HEAD = "version: 1\nname: {name}\nnode: {{device: topcon, node_id: 5}}\nsteps:\n"
 

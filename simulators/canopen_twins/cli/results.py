@@ -15,7 +15,7 @@ from canopen_twins.device.device import Device
 from canopen_twins.errors import UserError
 from canopen_twins.files.whole import write_whole
 from canopen_twins.scenario import Scenario, Verdict
-from canopen_twins.scenario.junit import document, junit
+from canopen_twins.scenario.verdict import as_json, as_junit
 
 if TYPE_CHECKING:
     from canopen_twins.record import Observer
@@ -79,11 +79,11 @@ class Announcer:
         """
         if self._junit is not None:
             try:
-                write_whole(self._junit, junit(self._verdicts))
+                write_whole(self._junit, as_junit(self._verdicts))
             except OSError as failure:
                 raise UserError(f"{self._junit} cannot be written: {failure.strerror}") from failure
         if self._json:
-            print(document(self._verdicts), flush=True)
+            print(as_json(self._verdicts), flush=True)
 
 
 @contextmanager

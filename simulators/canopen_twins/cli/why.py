@@ -37,7 +37,7 @@ def why(options: argparse.Namespace) -> int:
     """Name, type, access, limits and section; with a value what a device answers to its write."""
     told, equals, value = options.object.partition("=")
     device = devices.create(options.device, **device_settings(options))
-    target = Targets(device.dictionary()).named(told.strip())
+    target = Targets(device.dictionary()).find(told.strip())
     assert target.variable is not None  # named raises
     lines = _described(target.variable)
     source = sections(device.eds).object(target.address)

@@ -1,14 +1,25 @@
-"""Values of objects: what bytes on the bus mean, what a node has, and which values are meant."""
+"""Values of objects: what bytes mean, what a node has, what is wanted, and what is sent."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
 
 from canopen.objectdictionary import ODVariable
-from canopen.objectdictionary.datatypes import INTEGER_TYPES
+from canopen.objectdictionary.datatypes import (
+    BOOLEAN,
+    FLOAT_TYPES,
+    INTEGER_TYPES,
+    SIGNED_TYPES,
+    VISIBLE_STRING,
+)
 
 from canopen_twins.device.node import Node
+from canopen_twins.errors import UserError
+from canopen_twins.files.document import Item, Scalar
 from canopen_twins.scenario.targets import Target
 from canopen_twins.slave.object import Rejected
+
+LARGEST = 0xFFFF_FFFF  # of an object that no dictionary knows: four bytes go in one frame
 
 
 def value_of(target: Target, data: bytes, sized: bool = True) -> object:
@@ -105,3 +116,49 @@ class Anything:
 
 
 Wanted = Range | Text | Anything
+
+
+def encode(target: Target, item: Item, limited: bool) -> bytes:
+    """A value of the file as it goes to an object; `limited` by access and limits of the EDS.
+
+    Raises:
+        UserError: nobody can write it, it is of another type, or out of the limits.
+    """
+    if (variable := target.variable) is None:
+        return item.whole_up_to(LARGEST).to_bytes(4, "little")
+    if limited and not variable.writable:
+        raise UserError(
+            f"{variable.name!r} is read only; if that is the point, put abort: 0x06010002 beside"
+        )
+    data_type = variable.data_type or 0
+    if data_type == VISIBLE_STRING:
+        return _fit(item, lambda: item.text.encode("ascii"))
+    if data_type not in ODVariable.STRUCT_TYPES:
+        raise UserError(f"objects of data type {data_type:#06x} cannot be written here")
+    if data_type == BOOLEAN:
+        value: Scalar = item.one_of("truth value", ("true", "false")) == "true"
+    elif data_type in FLOAT_TYPES:
+        value = item.number
+    else:
+        value = _in_range(variable, item, limited)
+    return _fit(item, lambda: ODVariable.STRUCT_TYPES[data_type].pack(value))
+
+
+def _in_range(variable: ODVariable, item: Item, limited: bool) -> int:
+    bits = len(variable)
+    signed = variable.data_type in SIGNED_TYPES
+    low, high = (-(1 << bits - 1), (1 << bits - 1) - 1) if signed else (0, (1 << bits) - 1)
+    if limited:
+        low = low if variable.min is None else max(low, variable.min)
+        high = high if variable.max is None else min(high, variable.max)
+    if not low <= (value := item.whole) <= high:
+        hint = "; if that is the point, put the abort code beside" if limited else ""
+        raise item.wrong(f"{item.text} is not in {low}..{high}{hint}")
+    return value
+
+
+def _fit(item: Item, pack: Callable[[], bytes]) -> bytes:
+    try:
+        return pack()
+    except (ValueError, OverflowError):
+        raise item.wrong(f"{item.text!r} does not fit this object") from None

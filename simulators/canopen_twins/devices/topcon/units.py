@@ -11,9 +11,8 @@ from canopen_twins.devices.topcon.model.stage import OutputStage
 from canopen_twins.devices.topcon.model.unit import UnitType
 from canopen_twins.devices.topcon.settings import Settings
 from canopen_twins.errors import UserError, unknown
-from canopen_twins.files.document import Item, understand, values
+from canopen_twins.files.document import Item, Scalar, understand, values
 from canopen_twins.files.shipped import od_file
-from canopen_twins.files.yaml_nodes import Scalar
 
 VERSION = 1
 READERS: Mapping[Any, Callable[[Item], Scalar]] = {
