@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import cache
 from math import inf
 from typing import Any, ClassVar, NamedTuple
 
@@ -72,6 +73,7 @@ class Device:
         self.configure(**given)
 
     @classmethod
+    @cache
     def complete(cls) -> None:
         """Look at what its author has written, before it is listed and before it has power.
 

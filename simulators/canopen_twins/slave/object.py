@@ -142,6 +142,8 @@ class Entry:
         try:
             return self.pack(value)
         except (struct.error, AttributeError, TypeError) as refusal:
+            if not self._owner:  # a service of ours
+                raise
             raise UserError(self._misread(value)) from refusal
 
     def _misread(self, value: object) -> str:
