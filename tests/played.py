@@ -6,7 +6,7 @@ from io import StringIO
 from pathlib import Path
 from typing import NamedTuple
 
-from canopen_twins.record import about, record
+from canopen_twins.record import Manifest, record
 from canopen_twins.record.plot.run import Run as DrawnRun
 from canopen_twins.scenario import Scenario, Verdict, load, play
 
@@ -30,7 +30,7 @@ def player(folder: Path) -> Callable[[Path], Played]:
     def played(path: Path) -> Played:
         scenario, trace, observers = load(path), StringIO(), []
         participants = {name: spec.create() for name, spec in scenario.nodes.items()}
-        told = about("play", scenario, participants)
+        told = Manifest.of("play", scenario, participants)
         with record(folder / path.stem, told, path.read_bytes()) as recorder:
             attached = [recorder, lambda *run: observers.append(DrawnRun(*run))]
             verdict = play(scenario, trace, attached)

@@ -5,12 +5,12 @@ from pathlib import Path
 from typing import get_type_hints
 
 import pytest
+from canopen_twins.record.plot.run import Run
 
 import canopen_twins
 from canopen_twins import Bench, device
 from canopen_twins.device import Abort, Chart, Curve, Fault, Object, Rejected
 from canopen_twins.errors import UserError
-from canopen_twins.record.plot.observer import Observer
 
 FAN = Path(__file__).parents[2] / "docs" / "examples" / "canopen-fan" / "canopen_fan" / "fan.eds"
 PROBE = str(Path(__file__).parents[1] / "probe.eds")
@@ -155,12 +155,12 @@ def test_every_power_on_makes_a_model_and_nothing_acts_on_the_one_before():
 
 def test_a_picture_draws_the_model_that_is_there_after_a_power_on():
     bench = Bench.of({"fan": Capturing()})
-    observer = Observer(bench.segment, None)
+    observer = Run(bench.segment, None)
     bench.run(1.0)
     bench.power_off()
     bench.power_on()
     bench.run(1.0)
-    ((strip,),) = (view.strips for view in observer.views)
+    ((strip,),) = (node.curves for node in observer.nodes)
     assert [point.value for point in strip.actual.points] == [2, 3]
 
 
