@@ -31,13 +31,15 @@ def test_every_curve_can_be_read_at_any_time(bench):
         assert chart.band is None or chart.band().label
 
 
-def test_a_curve_follows_its_device_over_a_power_cycle():
+def test_a_chart_that_is_asked_for_after_a_power_cycle_shows_the_model_of_now():
     bench = Bench("topcon", load="open")
-    voltage, *_ = bench.twin.node.device.chart.curves
+    before = [curve.label for curve in bench.twin.node.device.chart.curves]
     bench.power_off()
     bench.power_on()
     bench.sdo["Voltage reference"].raw = 2000
-    assert voltage.wanted() == 200.0
+    after = bench.twin.node.device.chart.curves
+    assert [curve.label for curve in after] == before
+    assert after[0].wanted() == 200.0
 
 
 def test_the_output_of_a_topcon_is_shown_in_engineering_units():
