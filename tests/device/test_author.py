@@ -5,12 +5,12 @@ from pathlib import Path
 from typing import get_type_hints
 
 import pytest
-from canopen_twins.record.plot.run import Run
 
 import canopen_twins
 from canopen_twins import Bench, device
 from canopen_twins.device import Abort, Chart, Curve, Fault, Object, Rejected
 from canopen_twins.errors import UserError
+from canopen_twins.record.plot.run import Run
 
 FAN = Path(__file__).parents[2] / "docs" / "examples" / "canopen-fan" / "canopen_fan" / "fan.eds"
 PROBE = str(Path(__file__).parents[1] / "probe.eds")

@@ -31,7 +31,6 @@ def test_every_curve_can_be_read_at_any_time(bench):
         assert chart.band is None or chart.band().label
 
 
-<<<<<<< HEAD
 def test_a_chart_is_of_the_model_that_a_power_cycle_has_made():
     bench = Bench("topcon", load="open")
     bench.sdo["Voltage reference"].raw = 1000
@@ -40,17 +39,6 @@ def test_a_chart_is_of_the_model_that_a_power_cycle_has_made():
     bench.sdo["Voltage reference"].raw = 2000
     voltage, *_ = bench.twin.node.device.chart.curves
     assert voltage.wanted() == 200.0
-=======
-def test_a_chart_that_is_asked_for_after_a_power_cycle_shows_the_model_of_now():
-    bench = Bench("topcon", load="open")
-    before = [curve.label for curve in bench.twin.node.device.chart.curves]
-    bench.power_off()
-    bench.power_on()
-    bench.sdo["Voltage reference"].raw = 2000
-    after = bench.twin.node.device.chart.curves
-    assert [curve.label for curve in after] == before
-    assert after[0].wanted() == 200.0
->>>>>>> devices
 
 
 def test_the_output_of_a_topcon_is_shown_in_engineering_units():
