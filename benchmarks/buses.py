@@ -19,7 +19,7 @@ import canopen
 from benchmarks import peers
 from benchmarks.test_sdo import served
 from canopen_twins.bus.hub.client import HubBus
-from canopen_twins.bus.hub.protocol import Address
+from canopen_twins.bus.hub.protocol import HubAddress
 from canopen_twins.files.shipped import od_file
 
 ROUNDS, READS = 5, 2000
@@ -72,10 +72,10 @@ def virtual() -> Iterator[canopen.Network]:
 
 
 @contextmanager
-def _hub() -> Iterator[Address]:
+def _hub() -> Iterator[HubAddress]:
     with ExitStack() as stack:
         told = stack.enter_context(_started("hub", "--listen", ":0"))
-        address = Address(told["host"], told["port"])
+        address = HubAddress(told["host"], told["port"])
         stack.enter_context(_started(*TWIN, "--hub", str(address)))
         yield address
 

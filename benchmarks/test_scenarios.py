@@ -7,7 +7,7 @@ import pytest
 import yaml
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from canopen_twins.files.yaml_nodes import LARGEST_FILE
+from canopen_twins.files.document import LARGEST_FILE
 from canopen_twins.scenario import load, play
 from canopen_twins.scenario.verdict import Kind
 

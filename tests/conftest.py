@@ -1,7 +1,12 @@
+import gc
+import os
 from collections.abc import Callable
+from pathlib import Path
 
+import canopen
 import pytest
 from hypothesis import settings
+from played import Played, player
 from probe import Probe
 
 from canopen_twins import Bench
@@ -9,9 +14,36 @@ from canopen_twins import Bench
 pytest_plugins = ["pytester"]
 collect_ignore = ["project_beside"]  # it runs by itself: see test_beside.py
 
+WITH_RUNS = ("tests/test_every_scenario.py", "tests/test_coverage.py")  # the fixture `played`
+
+# what one process of a run has compiled, no other has to: there are two hundred of them
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
 # the same examples in every run, however slow the machine
 settings.register_profile("reproducible", derandomize=True, deadline=None)
 settings.load_profile("reproducible")
+
+
+def pytest_collection_finish() -> None:
+    """What there is by now stays to the end: to look for garbage in it takes a tenth of a run."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(20_000, 20, 20)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """One worker has all tests that look at the runs of shipped scenarios, and begins with them.
+
+    The groups of pytest-xdist 3.8 are of no effect with pytest 9.2.
+    """
+    from xdist.scheduler import LoadScopeScheduling  # noqa: PLC0415
+
+    class Scheduling(LoadScopeScheduling):
+        def _split_scope(self, nodeid):
+            return "shipped scenarios" if nodeid.startswith(WITH_RUNS) else nodeid
+
+    return Scheduling(config, log)
 
 
 @pytest.fixture
@@ -35,3 +67,18 @@ def operational(bench) -> Bench:
     """The same, in Operational."""
     bench.send("000#0105")
     return bench
+
+
+@pytest.fixture(scope="session")
+def played(tmp_path_factory) -> Callable[[Path], Played]:
+    """The run of a shipped scenario; who asks for it stands in WITH_RUNS."""
+    return player(tmp_path_factory.mktemp("played"))
+
+
+@pytest.fixture
+def quick_to_disconnect(monkeypatch) -> None:
+    """A canopen network in real time that is gone at once: it waits for a cycle of its notifier.
+
+    For the tests that ask for it only: in simulated time an hour has 360,000 of these cycles.
+    """
+    monkeypatch.setattr(canopen.Network, "NOTIFIER_CYCLE", 0.01)

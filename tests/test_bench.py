@@ -138,6 +138,11 @@ def test_several_twins_are_taken_by_name(pair):
         pair.sdo["Byte"].raw = 3
 
 
+def test_settings_are_those_of_one_device():
+    with pytest.raises(UserError, match=r"which device of several has load\?"):
+        Bench({"left": Probe(5)}, load="resistor 4")
+
+
 def test_faults_are_injected_and_cleared_by_name(bench):
     bench.inject("error", code=0x2310, register=0x03)
     assert bench.sent[-1] == "085#102303" + b"field".hex().upper()

@@ -41,6 +41,7 @@ WORDS = [
         "SDO abort by the client, 05040000h Timeout of transfer communication detected",
     ),
     ("585#8201020304050607", "SDO segment"),
+    ("585#80", "SDO answer, too short"),
     ("605#8201020304050607", "SDO block transfer"),
     ("705#00", "boot-up"),
     ("705#05", "heartbeat operational"),

@@ -6,7 +6,7 @@ from typing import Literal, get_args, get_origin, get_type_hints
 
 import pytest
 
-import canopen_twins.scenario.reading.scenario  # noqa: F401 - pytester forgets what comes while it works
+import canopen_twins.scenario.compile  # noqa: F401 - pytester forgets what comes while it works
 from canopen_twins import devices
 from canopen_twins.cli import main
 from canopen_twins.device.settings import about
@@ -46,7 +46,7 @@ class Reader:
                 assert self.programs[program](arguments) == int(code or 0), line
 
     def pytest(self, arguments):
-        return self.pytester.runpytest_subprocess("-p", "no:cacheprovider", *arguments).ret
+        return self.pytester.runpytest_inprocess("-p", "no:cacheprovider", *arguments).ret
 
 
 def page_of(device):

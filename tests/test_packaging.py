@@ -4,6 +4,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -58,6 +59,16 @@ def test_the_unit_runs_what_the_command_line_knows(unit):
 def test_the_unit_comes_and_goes_with_its_interface(unit):
     interface = "sys-subsystem-net-devices-%i.device"
     assert {unit[key] for key in ("BindsTo", "After", "WantedBy")} == {interface}
+
+
+def test_the_wheel_has_none_of_the_tools_that_write_od_and_docs(tmp_path):
+    command = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", tmp_path]
+    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
+    (wheel,) = tmp_path.iterdir()
+    names = set(zipfile.ZipFile(wheel).namelist())
+    assert {name.split("/")[0].partition("-")[0] for name in names} == {"canopen_twins"}
+    assert {name for name in names if name.endswith(("_stories.csv", "charger/eds.py"))} == set()
+    assert {f"canopen_twins/od/{path.name}" for path in (ROOT / "od").iterdir()} <= names
 
 
 def test_the_image_is_built_by_the_first_command_of_the_readme(image):

@@ -13,10 +13,10 @@ from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Segment
 from canopen_twins.errors import UserError
 from canopen_twins.faults import connect
-from canopen_twins.live.line import Line
+from canopen_twins.live.bus import ReopenedBus
 from canopen_twins.live.serve import LONGEST_WAIT, drive, serve
 
-canopen.Network.NOTIFIER_CYCLE = 0.01  # disconnecting waits for it
+pytestmark = pytest.mark.usefixtures("quick_to_disconnect")
 
 PATIENCE = 5.0
 READ_LEVEL = "605#4000210000000000"
@@ -224,9 +224,9 @@ def driven(segment, wall):
         def driven(seconds, *requests):
             begin = wall.now
             script = Script(wall, *((begin + time, text) for time, text in requests))
-            line = Line(lambda: opened.enter_context(script))
-            segment.listeners.append(line.transmit)
-            drive(segment, line, lambda: wall.now >= begin + seconds, wall)
+            bus = ReopenedBus(lambda: opened.enter_context(script))
+            segment.listeners.append(bus.transmit)
+            drive(segment, bus, lambda: wall.now >= begin + seconds, wall)
             return script
 
         yield driven

@@ -10,7 +10,9 @@ from canopen_twins.bench.simulated_time import simulated_time
 from canopen_twins.cli import main
 from canopen_twins.files.shipped import od_file
 from canopen_twins.scenario import Verdict, load, play
-from canopen_twins.scenario.bench import ScenarioBench
+from canopen_twins.scenario.play import ScenarioBench
+
+pytestmark = pytest.mark.usefixtures("quick_to_disconnect")
 
 JUDGE = """\
 version: 1

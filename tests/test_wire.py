@@ -140,18 +140,6 @@ def test_a_frame_goes_through_every_filter_as_the_one_before_sends_it_onward():
     assert [str(frame) for _, frame in wire.outbox] == ["005#01", "005#01"]
 
 
-def test_a_frame_that_a_filter_sends_onward_later_stays_behind_when_the_wire_is_shut():
-    kept = []
-    wire = Wire(Clock())
-    wire.outgoing.append(lambda frame, onward: kept.append((frame, onward)))
-    wire.put(Frame(5))
-    wire.shut = True
-    for frame, onward in kept:
-        onward(frame)
-    wire.put(Frame(6))
-    assert (len(kept), len(wire.outbox)) == (1, 0)
-
-
 def test_without_a_filter_a_frame_is_at_the_end_at_once():
     arrived = []
     through([], Frame(5), arrived.append)

@@ -1,7 +1,6 @@
 """What is wrong with what a user gave us, in one line that also says what would be right."""
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 
 LONGEST_LIST = 24  # names in one line; a dictionary has hundreds
 
@@ -12,6 +11,8 @@ class UserError(ValueError):
 
 def unknown(what: str, word: object, known: Iterable[str]) -> UserError:
     """An error for a word that is none of the known ones, with the nearest of them."""
+    from difflib import get_close_matches  # noqa: PLC0415 - only who is wrong needs it
+
     names = sorted(known)
     if near := get_close_matches(str(word), names, n=1):
         hint = f"did you mean {near[0]!r}?"

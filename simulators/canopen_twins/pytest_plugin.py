@@ -1,14 +1,17 @@
-"""`*.twin.yaml` as tests, and verdicts as pytest tells them.
+"""`*.twin.yaml` as tests, fixtures with twins, and verdicts as pytest tells them.
 
 A scenario is played in the set-up of its test. What it says of who is tested is the outcome of the
 test itself; that it could not be carried out is an error, and one in the set-up is what pytest and
 CI tell apart from a failure.
+
+pytest loads this in every run, so whatever needs CAN is imported when somebody asks for it, as the
+names of `canopen_twins` are.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable, Iterator, Set
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -17,262 +20,34 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import pytest
 
+import canopen_twins
 from canopen_twins.errors import UserError
 
 if TYPE_CHECKING:
-    from canopen_twins.bench.bench import Bench
-    from canopen_twins.device.device import Device
+    from canopen_twins import Bench, Device, Scenario, Verdict
     from canopen_twins.live.twin import LiveTwin
-    from canopen_twins.scenario import Scenario, Verdict
-    from canopen_twins.scenario.bench import ScenarioBench
+    from canopen_twins.scenario.play import ScenarioBench
 
+__all__ = ["canopen_bench", "canopen_device", "canopen_scenario", "canopen_simulated_time"]
 
-def read(name: str) -> Scenario:
-    """A scenario of a file, told by its path from here, or one that is shipped.
+AnyBench = TypeVar("AnyBench", bound="Bench")
 
-    Raises:
-        UserError: there is neither, or something is wrong with it.
-    """
-    from canopen_twins.cli.commands.scenarios import load  # noqa: PLC0415
-
-    here = Path.cwd()
-    return load(str(Path(name).relative_to(here)) if Path(name).is_relative_to(here) else name)
-
-
-def beside(test: Path, name: str) -> Scenario:
-    """The scenario a test asks for; fails it if there is none, or something is wrong with it."""
-    file = test.parent / name
-    try:
-        return read(str(file) if file.exists() else name)
-    except UserError as mistakes:
-        told = str(mistakes)
-    pytest.fail(told, pytrace=False)
-
-
-def judge(verdicts: Iterable[Verdict]) -> None:
-    """Raises what pytest takes for a failure, or else for a skipped test; nothing for PASS."""
-    from canopen_twins.scenario import Kind  # noqa: PLC0415
-
-    bad = [verdict for verdict in verdicts if verdict.kind is not Kind.PASS]
-    if failed := [str(verdict) for verdict in bad if not verdict.ok]:
-        pytest.fail("\n".join(failed), pytrace=False)
-    for verdict in bad:
-        skipped = next(each for each in verdict.outcomes if each.kind is Kind.SKIP)
-        pytest.skip(f"{verdict.file}:{skipped.line}: {skipped.seen}")
-
-
-def settle(item: pytest.Item) -> None:
-    """Play the rest of the scenarios of a test, note what came of them, and judge them."""
-    if TOLD not in item.stash:
-        return
-    for bench in item.stash[TOLD]:
-        bench.finish()
-    note(item)
-    verdicts = [bench.verdict for bench in item.stash[TOLD]]
-    del item.stash[TOLD]
-    judge(verdicts)
-
-
-def note(item: pytest.Item) -> None:
-    """Keep the verdicts of a test so far as its properties, for `--junitxml` and others."""
-    for bench in item.stash.get(TOLD, []):
-        keep(item, bench.verdict)
-
-
-def keep(item: pytest.Item, verdict: Verdict) -> None:
-    """The same with one of them."""
-    from canopen_twins.scenario.junit import properties  # noqa: PLC0415
-
-    item.user_properties.extend(properties(verdict))
-
-
-class ScenarioFile(pytest.File):
-    """A file with one scenario, which is one test."""
-
-    def collect(self) -> Iterable[pytest.Item]:
-        """The test; raises `CollectError` with a line for everything that is wrong."""
-        try:
-            scenario = read(str(self.path))
-        except UserError as mistakes:
-            raise self.CollectError(str(mistakes)) from None
-        name = " ".join(scenario.name.split()).replace("::", ":")  # two would split node ids
-        yield ScenarioItem.from_parent(self, name=name or self.path.stem, scenario=scenario)
-
-
-class ScenarioItem(pytest.Item):
-    """One scenario; `-k` finds it by its name, its file, its nodes and what it covers."""
-
-    verdict: Verdict
-
-    def __init__(self, *, scenario: Scenario, **described: object) -> None:
-        super().__init__(**described)  # type: ignore[arg-type]
-        self.scenario = scenario
-        self.extra_keyword_matches.update(scenario.nodes, scenario.covers)
-
-    def setup(self) -> None:
-        """Play it; raises if it could not be carried out."""
-        from canopen_twins.scenario import (  # noqa: PLC0415
-            Kind,
-            play,
-        )
-
-        self.verdict = play(self.scenario)
-        keep(self, self.verdict)
-        if self.verdict.kind is not Kind.FAIL:
-            judge([self.verdict])
-
-    def runtest(self) -> None:
-        """Raises if something else has come than was expected."""
-        judge([self.verdict])
-
-    def reportinfo(self) -> tuple[Path, int, str]:
-        """Where it is, for the headings of reports."""
-        return self.path, 0, self.name
-
-
+SUFFIXES = (".twin.yaml", ".twin.yml")
 INTERFACE, CHANNEL = "canopen_interface", "canopen_channel"
+DEVICES = Path(__file__).parent / "devices"
+GROUP = "canopen_twins.devices"  # that of canopen_twins.devices, which imports CAN
+MODULES = {
+    "canopen_bench": ("canopen_twins.diagnosis.report",),
+    "canopen_device": ("canopen_twins.live.twin",),
+    "canopen_scenario": ("canopen_twins.scenario.play", "canopen_twins.scenario.compile"),
+    "canopen_simulated_time": ("canopen_twins.bench.simulated_time",),
+}
+"""What the first test with a fixture would have to import."""
 
 SHOWN = pytest.StashKey[list[Callable[[], str]]]()
 """What a failing test has to show: functions that tell it, so that passing tests pay nothing."""
 TOLD = pytest.StashKey[list["ScenarioBench"]]()
 """The scenarios of a test, which is over when they are."""
-
-
-AnyBench = TypeVar("AnyBench", bound="Bench")
-
-
-class BenchFactory:
-    """Makes benches, and lets a failing test show what happened on them."""
-
-    def __init__(self, shown: list[Callable[[], str]]) -> None:
-        self._shown = shown
-
-    def __call__(self, device: str, **settings: object) -> Bench:
-        """A bench with one twin: `canopen_bench("topcon", node_id=5, load="resistor 4")`."""
-        from canopen_twins.bench.bench import Bench  # noqa: PLC0415
-
-        return self.watched(Bench(device, **settings))
-
-    def of(self, nodes: dict[str, tuple[str, int] | Device]) -> Bench:
-        """A bench with several twins, as `Bench.of`."""
-        from canopen_twins.bench.bench import Bench  # noqa: PLC0415
-
-        return self.watched(Bench.of(nodes))
-
-    def watched(self, bench: AnyBench) -> AnyBench:
-        """The same bench; a test that fails shows it."""
-        from canopen_twins.diagnosis.report import scene  # noqa: PLC0415
-
-        self._shown.append(lambda: scene(bench.trace, bench.segment.nodes))
-        return bench
-
-
-@pytest.fixture
-def canopen_bench(request: pytest.FixtureRequest) -> BenchFactory:
-    """Makes benches: `canopen_bench("topcon", node_id=5)`; there is nothing to close."""
-    return BenchFactory(request.node.stash.setdefault(SHOWN, []))
-
-
-@pytest.fixture
-def canopen_scenario(
-    request: pytest.FixtureRequest, canopen_bench: BenchFactory
-) -> Callable[[str], ScenarioBench]:
-    """`canopen_scenario("trip.yaml")`: a bench on which this scenario is played meanwhile.
-
-    The file lies beside the test, or is one of those that are shipped. When the test is over, the
-    rest is played; it fails if the verdict is not PASS, and is skipped if it is SKIP.
-    """
-    from canopen_twins.scenario.bench import ScenarioBench  # noqa: PLC0415
-
-    def begin(file: str) -> ScenarioBench:
-        bench = canopen_bench.watched(ScenarioBench(beside(request.path, file)))
-        request.node.stash.setdefault(TOLD, []).append(bench)
-        return bench
-
-    return begin
-
-
-@pytest.fixture
-def canopen_simulated_time() -> Iterator[Callable[..., None]]:
-    """`canopen_simulated_time(bench, "my_master")`: simulated time until the end of the test.
-
-    What is a bench's, canopen's and the named modules' waits no more in real time: see
-    `canopen_twins.bench.simulated_time.simulated_time`.
-    """
-    from contextlib import ExitStack  # noqa: PLC0415
-
-    from canopen_twins.bench.simulated_time import simulated_time  # noqa: PLC0415
-
-    with ExitStack() as entered:
-
-        def enter(bench: Bench, *modules: ModuleType | str) -> None:
-            entered.enter_context(simulated_time(bench, *modules))
-
-        yield enter
-
-
-@pytest.fixture
-def canopen_device(request: pytest.FixtureRequest) -> Iterator[Callable[..., LiveTwin]]:
-    """Serves twins in real time: `canopen_device("topcon", node_id=5)` has booted when it returns.
-
-    The bus is that of `--canopen-interface` and `--canopen-channel`, or of the ini keys
-    `canopen_interface` and `canopen_channel`; a channel of its own on `virtual` otherwise. A bug in
-    a twin fails the test.
-    """
-    from contextlib import ExitStack  # noqa: PLC0415
-
-    from canopen_twins.live.twin import LiveTwin  # noqa: PLC0415
-
-    shown = request.node.stash.setdefault(SHOWN, [])
-    bus = {
-        "interface": _option(request.config, INTERFACE) or "virtual",
-        "channel": _option(request.config, CHANNEL) or request.node.nodeid,
-    }
-    with ExitStack() as running:
-
-        def start(device: str, **settings: object) -> LiveTwin:
-            twin = LiveTwin(device, settings, bus)
-            shown.append(twin.scene)
-            return running.enter_context(twin)
-
-        yield start
-
-
-def _option(config: pytest.Config, name: str) -> Any:
-    return config.getoption(name) or config.getini(name)
-
-
-MODULES = {
-    "canopen_bench": ("canopen_twins.diagnosis.report",),
-    "canopen_device": ("canopen_twins.live.twin",),
-    "canopen_scenario": ("canopen_twins.scenario.bench", "canopen_twins.scenario.reading.scenario"),
-    "canopen_simulated_time": ("canopen_twins.bench.simulated_time",),
-}
-
-
-def prepare(uses: Iterable[Set[str]]) -> None:
-    """For tests that use these fixtures: those of devices tell which one, others may want any."""
-    from canopen_twins import (  # noqa: PLC0415
-        Bench,
-        devices,
-    )
-
-    known = set(devices.names())
-    for fixture in set().union(*uses) & MODULES.keys():
-        for module in MODULES[fixture]:
-            import_module(module)
-    wanted = set().union(*(names & known or known for names in uses))
-    for name in sorted(wanted):
-        with suppress(Exception):  # a device is broken: whoever asks for it is told
-            _ = Bench(name).sdo
-
-
-__all__ = ["canopen_bench", "canopen_device", "canopen_scenario", "canopen_simulated_time"]
-
-DEVICES = Path(__file__).parent / "devices"
-GROUP = "canopen_twins.devices"  # that of canopen_twins.devices, which imports CAN
-FIXTURES = __all__
-SUFFIXES = (".twin.yaml", ".twin.yml")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -313,9 +88,23 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 def pytest_collection_finish(session: pytest.Session) -> None:
     """What a first twin has to import and to read is there before the first test."""
     uses = [set(getattr(item, "fixturenames", ())) for item in session.items]
-    wanted = [names for names in uses if not names.isdisjoint(FIXTURES)]
+    wanted = [names for names in uses if not names.isdisjoint(MODULES)]
     if wanted and not session.config.option.collectonly:
         prepare(wanted)
+
+
+def prepare(uses: Iterable[Set[str]]) -> None:
+    """For tests that use these fixtures: those of devices tell which one, others may want any."""
+    from canopen_twins import devices  # noqa: PLC0415
+
+    known = set(devices.names())
+    for fixture in set().union(*uses) & MODULES.keys():
+        for module in MODULES[fixture]:
+            import_module(module)
+    wanted = set().union(*(names & known or known for names in uses))
+    for name in sorted(wanted):
+        with suppress(Exception):  # a device is broken: whoever asks for it is told
+            _ = canopen_twins.Bench(name).sdo
 
 
 @pytest.hookimpl(wrapper=True)
@@ -342,3 +131,194 @@ def pytest_runtest_makereport(
         for told in item.stash.get(TOLD, []):
             report.sections.append(("CANopen: the scenario so far", str(told.verdict)))
     return report
+
+
+class BenchFactory:
+    """Makes benches, and lets a failing test show what happened on them."""
+
+    def __init__(self, shown: list[Callable[[], str]]) -> None:
+        self._shown = shown
+
+    def __call__(self, device: str, **settings: object) -> Bench:
+        """A bench with one twin: `canopen_bench("topcon", node_id=5, load="resistor 4")`."""
+        return self.watched(canopen_twins.Bench(device, **settings))
+
+    def of(self, nodes: dict[str, tuple[str, int] | Device]) -> Bench:
+        """A bench with several twins, as `Bench.of`."""
+        return self.watched(canopen_twins.Bench.of(nodes))
+
+    def watched(self, bench: AnyBench) -> AnyBench:
+        """The same bench; a test that fails shows it."""
+        from canopen_twins.diagnosis.report import scene  # noqa: PLC0415
+
+        self._shown.append(lambda: scene(bench.trace, bench.segment.nodes))
+        return bench
+
+
+@pytest.fixture
+def canopen_bench(request: pytest.FixtureRequest) -> BenchFactory:
+    """Makes benches: `canopen_bench("topcon", node_id=5)`; there is nothing to close."""
+    return BenchFactory(request.node.stash.setdefault(SHOWN, []))
+
+
+@pytest.fixture
+def canopen_scenario(
+    request: pytest.FixtureRequest, canopen_bench: BenchFactory
+) -> Callable[[str], ScenarioBench]:
+    """`canopen_scenario("trip.yaml")`: a bench on which this scenario is played meanwhile.
+
+    The file lies beside the test, or is one of those that are shipped. When the test is over, the
+    rest is played; it fails if the verdict is not PASS, and is skipped if it is SKIP.
+    """
+    from canopen_twins.scenario.play import ScenarioBench  # noqa: PLC0415
+
+    def begin(file: str) -> ScenarioBench:
+        bench = canopen_bench.watched(ScenarioBench(beside(request.path, file)))
+        request.node.stash.setdefault(TOLD, []).append(bench)
+        return bench
+
+    return begin
+
+
+@pytest.fixture
+def canopen_simulated_time() -> Iterator[Callable[..., None]]:
+    """`canopen_simulated_time(bench, "my_master")`: simulated time until the end of the test.
+
+    What is a bench's, canopen's and the named modules' waits no more in real time: see
+    `canopen_twins.simulated_time`.
+    """
+    with ExitStack() as entered:
+
+        def enter(bench: Bench, *modules: ModuleType | str) -> None:
+            entered.enter_context(canopen_twins.simulated_time(bench, *modules))
+
+        yield enter
+
+
+@pytest.fixture
+def canopen_device(request: pytest.FixtureRequest) -> Iterator[Callable[..., LiveTwin]]:
+    """Twins in real time: `canopen_device("topcon", node_id=5)` has booted when it returns.
+
+    It gives a `Twin`, with `bus`: what to open to be on the same bus. The bus is that of
+    `--canopen-interface` and `--canopen-channel`, or of the ini keys `canopen_interface` and
+    `canopen_channel`; a channel of its own on `virtual` otherwise. A bug in a twin fails the test.
+    """
+    from canopen_twins.live.twin import LiveTwin  # noqa: PLC0415
+
+    shown = request.node.stash.setdefault(SHOWN, [])
+    bus = {
+        "interface": _option(request.config, INTERFACE) or "virtual",
+        "channel": _option(request.config, CHANNEL) or request.node.nodeid,
+    }
+    with ExitStack() as running:
+
+        def start(device: str, **settings: object) -> LiveTwin:
+            twin = LiveTwin(device, settings, bus)
+            shown.append(twin.scene)
+            return running.enter_context(twin)
+
+        yield start
+
+
+def _option(config: pytest.Config, name: str) -> Any:
+    return config.getoption(name) or config.getini(name)
+
+
+class ScenarioFile(pytest.File):
+    """A file with one scenario, which is one test."""
+
+    def collect(self) -> Iterable[pytest.Item]:
+        """The test; raises `CollectError` with a line for everything that is wrong."""
+        try:
+            scenario = read(str(self.path))
+        except UserError as mistakes:
+            raise self.CollectError(str(mistakes)) from None
+        name = " ".join(scenario.name.split()).replace("::", ":")  # two would split node ids
+        yield ScenarioItem.from_parent(self, name=name or self.path.stem, scenario=scenario)
+
+
+class ScenarioItem(pytest.Item):
+    """One scenario; `-k` finds it by its name, its file, its nodes and what it covers."""
+
+    verdict: Verdict
+
+    def __init__(self, *, scenario: Scenario, **described: object) -> None:
+        super().__init__(**described)  # type: ignore[arg-type]
+        self.scenario = scenario
+        self.extra_keyword_matches.update(scenario.nodes, scenario.covers)
+
+    def setup(self) -> None:
+        """Play it; raises if it could not be carried out."""
+        from canopen_twins.scenario import Kind  # noqa: PLC0415
+
+        self.verdict = canopen_twins.play(self.scenario)
+        keep(self, self.verdict)
+        if self.verdict.kind is not Kind.FAIL:
+            judge([self.verdict])
+
+    def runtest(self) -> None:
+        """Raises if something else has come than was expected."""
+        judge([self.verdict])
+
+    def reportinfo(self) -> tuple[Path, int, str]:
+        """Where it is, for the headings of reports."""
+        return self.path, 0, self.name
+
+
+def read(name: str) -> Scenario:
+    """A scenario of a file, told by its path from here, or one that is shipped.
+
+    Raises:
+        UserError: there is neither, or something is wrong with it.
+    """
+    from canopen_twins.cli.check import load  # noqa: PLC0415
+
+    here = Path.cwd()
+    return load(str(Path(name).relative_to(here)) if Path(name).is_relative_to(here) else name)
+
+
+def beside(test: Path, name: str) -> Scenario:
+    """The scenario a test asks for; fails it if there is none, or something is wrong with it."""
+    file = test.parent / name
+    try:
+        return read(str(file) if file.exists() else name)
+    except UserError as mistakes:
+        told = str(mistakes)
+    pytest.fail(told, pytrace=False)
+
+
+def settle(item: pytest.Item) -> None:
+    """Play the rest of the scenarios of a test, note what came of them, and judge them."""
+    if TOLD not in item.stash:
+        return
+    for bench in item.stash[TOLD]:
+        bench.finish()
+    note(item)
+    verdicts = [bench.verdict for bench in item.stash[TOLD]]
+    del item.stash[TOLD]
+    judge(verdicts)
+
+
+def judge(verdicts: Iterable[Verdict]) -> None:
+    """Raises what pytest takes for a failure, or else for a skipped test; nothing for PASS."""
+    from canopen_twins.scenario import Kind  # noqa: PLC0415
+
+    bad = [verdict for verdict in verdicts if verdict.kind is not Kind.PASS]
+    if failed := [str(verdict) for verdict in bad if not verdict.ok]:
+        pytest.fail("\n".join(failed), pytrace=False)
+    for verdict in bad:
+        skipped = next(each for each in verdict.outcomes if each.kind is Kind.SKIP)
+        pytest.skip(f"{verdict.file}:{skipped.line}: {skipped.seen}")
+
+
+def note(item: pytest.Item) -> None:
+    """Keep the verdicts of a test so far as its properties, for `--junitxml` and others."""
+    for bench in item.stash.get(TOLD, []):
+        keep(item, bench.verdict)
+
+
+def keep(item: pytest.Item, verdict: Verdict) -> None:
+    """The same with one of them."""
+    from canopen_twins.scenario.verdict import as_properties  # noqa: PLC0415
+
+    item.user_properties.extend(as_properties(verdict))

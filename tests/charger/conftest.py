@@ -6,7 +6,7 @@ from canopen_twins import Bench
 from canopen_twins.devices.charger.messages import read_catalogue
 from canopen_twins.devices.charger.model.charger import Charger
 from canopen_twins.devices.charger.model.parameters import Parameter
-from canopen_twins.devices.charger.model.release import Source
+from canopen_twins.devices.charger.model.release import ReleaseSource
 from canopen_twins.devices.charger.model.types import PCSC, Build, Variant
 from canopen_twins.devices.charger.object_table import factory
 from canopen_twins.files.shipped import od_file
@@ -30,7 +30,7 @@ def make(catalogue):
 
     def make(kind=PCSC, variant=Variant.BASE, *, superset=False, sparks=None, **parameters):
         given = {Parameter[name.upper()]: value for name, value in parameters.items()}
-        values = {**factory(kind), Parameter.RELEASE_MODE: Source.CANOPEN.value, **given}
+        values = {**factory(kind), Parameter.RELEASE_MODE: ReleaseSource.CANOPEN.value, **given}
         return Charger(Build(kind, variant, superset), values, catalogue, sparks)
 
     return make
@@ -46,7 +46,7 @@ def switch_on():
     """Release a charger and let its ramp end."""
 
     def switch_on(charger, seconds=1.0):
-        charger.grant(Source.CANOPEN)
+        charger.grant(ReleaseSource.CANOPEN)
         charger.step(seconds)
 
     return switch_on
@@ -65,7 +65,7 @@ def active():
     """The keys of the active messages of a charger, in the order in which they came."""
 
     def active(charger):
-        return [(message.kind.name, message.key) for message in charger.messages.active]
+        return [(message.severity.name, message.key) for message in charger.messages.active]
 
     return active
 

@@ -14,13 +14,3 @@ def test_the_analog_setpoint_replaces_that_of_the_bus_where_it_is_active(
     active = interface in (1, 2, 4, 5)
     assert charger.charging.output.voltage == (15000 if active else 10000)
     assert charger.parameters[Parameter.VOLTAGE_SETPOINT] == 10000
-
-
-@pytest.mark.spec("C-166")
-@pytest.mark.parametrize("interface", range(6))
-@pytest.mark.parametrize("current", [500, 5000])
-def test_the_limit_signal_tells_of_a_limiter_from_3_on(make, switch_on, interface, current):
-    charger = make(analog_setpoint=interface, voltage_setpoint=20000, current_setpoint=current)
-    charger.surround(analog=100 * 20 / 30)
-    switch_on(charger)
-    assert charger.charging.limit_signal is (interface >= 3 and current == 500)

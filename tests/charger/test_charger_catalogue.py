@@ -4,7 +4,7 @@ import pytest
 import yaml
 
 from canopen_twins.devices.charger.messages import read_catalogue
-from canopen_twins.devices.charger.model.messages import CAUSES, Catalogue, Kind, Message
+from canopen_twins.devices.charger.model.messages import CAUSES, Catalogue, Message, Severity
 from canopen_twins.errors import UserError
 
 INJECTED_ONLY = {"hardware", "parameter_memory", "discharging_short"}
@@ -19,19 +19,19 @@ def data(catalogue_data):
 def test_the_shipped_catalogue_has_14_errors_and_15_warnings_and_calls_them_assumed(
     catalogue, catalogue_data
 ):
-    kinds = [message.kind for message in catalogue]
-    assert [kinds.count(kind) for kind in Kind] == [14, 15]
+    kinds = [message.severity for message in catalogue]
+    assert [kinds.count(kind) for kind in Severity] == [14, 15]
     assert catalogue_data["assumed"] is True
 
 
 def test_the_shipped_catalogue_has_a_message_for_every_cause_and_no_other(catalogue):
-    keys = {(message.kind, message.key) for message in catalogue if message.key}
-    assert {key for _, key in keys - {(c.kind, c.key) for c in CAUSES}} == INJECTED_ONLY
-    assert all(catalogue.keyed(cause.kind, cause.key) for cause in CAUSES)
+    keys = {(message.severity, message.key) for message in catalogue if message.key}
+    assert {key for _, key in keys - {(c.severity, c.key) for c in CAUSES}} == INJECTED_ONLY
+    assert all(catalogue.keyed(cause.severity, cause.key) for cause in CAUSES)
 
 
 def test_every_shipped_error_trips_and_every_message_says_when(catalogue, catalogue_data):
-    assert all(message.trips for message in catalogue if message.kind is Kind.ERROR)
+    assert all(message.trips for message in catalogue if message.severity is Severity.ERROR)
     assert all(row["when"] for name in ("errors", "warnings") for row in catalogue_data[name])
 
 
@@ -43,9 +43,9 @@ def test_register_bits_follow_the_class_of_the_code(catalogue):
 
 
 def test_messages_are_found_by_number_and_by_key(catalogue):
-    sparks = catalogue.numbered(Kind.ERROR, 7)
-    assert sparks is catalogue.keyed(Kind.ERROR, "strong_sparks")
-    assert catalogue.numbered(Kind.ERROR, 0x50) is None
+    sparks = catalogue.numbered(Severity.ERROR, 7)
+    assert sparks is catalogue.keyed(Severity.ERROR, "strong_sparks")
+    assert catalogue.numbered(Severity.ERROR, 0x50) is None
 
 
 @pytest.mark.parametrize(
@@ -91,5 +91,5 @@ def test_what_is_no_mapping_is_no_catalogue(text, tmp_path):
 
 
 def test_messages_without_a_key_may_be_many():
-    messages = [Message(Kind.WARNING, number, 0xFF00, 0x81) for number in (1, 2)]
+    messages = [Message(Severity.WARNING, number, 0xFF00, 0x81) for number in (1, 2)]
     assert list(Catalogue(messages)) == messages

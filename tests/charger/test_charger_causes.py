@@ -3,7 +3,6 @@ from dataclasses import replace
 import pytest
 
 from canopen_twins.devices.charger.model.load import SHORT
-from canopen_twins.devices.charger.model.thermal import Heat
 from canopen_twins.devices.charger.model.types import PCSC, Variant
 
 THRESHOLDS = [
@@ -16,7 +15,7 @@ THRESHOLDS = [
 
 def clear(charger, key):
     message = next(message for message in charger.messages.active if message.key == key)
-    charger.clear(message.kind, message.number)
+    charger.clear(message.severity, message.number)
 
 
 @pytest.mark.parametrize(
@@ -53,14 +52,14 @@ def test_heat_warns_and_then_switches_off(make, active, sensor, warning, error):
     key = f"temp_{sensor}"
     told = []
     for temperature in (warning - 1, warning, error - 1, error):
-        charger.surround(heat=Heat(**{sensor: temperature - 25.0}))
+        charger.surround(heat={sensor: temperature - 25.0})
         charger.step(0.01)
         told.append([kind for kind, told_key in active(charger) if told_key == key])
     assert told == [[], ["WARNING"], ["WARNING"], ["WARNING", "ERROR"]]
 
 
 def test_without_a_discharging_stage_nothing_tells_its_temperature(charger, active):
-    charger.surround(heat=Heat(discharging=100.0))
+    charger.surround(heat={"discharging": 100.0})
     charger.step(1.0)
     assert active(charger) == []
 

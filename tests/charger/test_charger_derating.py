@@ -7,9 +7,7 @@ import pytest
     [(0.0, 24.0, 100.0), (0.0, 19.6, 50.0), (0.0, 18.0, 0.0), (100.0, 24.0, 0.0)],
 )
 def test_heat_and_a_poor_supply_lower_the_power_setpoint(charger, heat, supply, watts):
-    charger.surround(
-        supply_voltage=supply, heat=charger.surroundings.heat._replace(power_stage=heat)
-    )
+    charger.surround(supply_voltage=supply, heat={"power_stage": heat})
     charger.step(1.0)
     assert charger.derating.charging == pytest.approx(watts, abs=4)
 
@@ -17,7 +15,7 @@ def test_heat_and_a_poor_supply_lower_the_power_setpoint(charger, heat, supply, 
 @pytest.mark.spec("C-152")
 def test_the_power_setpoint_falls_evenly_from_70_to_85_degrees(charger):
     warm = charger.heating.at(charger.now)["power_stage"]
-    charger.surround(heat=charger.surroundings.heat._replace(power_stage=77.5 - warm))
+    charger.surround(heat={"power_stage": 77.5 - warm})
     charger.step(1.0)
     assert charger.derating.charging == pytest.approx(50.0, abs=0.5)
 

@@ -1,11 +1,10 @@
 import pytest
 
-from canopen_twins.devices.charger.model.bars import Bars, Dirt, Discharge
+from canopen_twins.devices.charger.model.discharging import Bars, Dirt, Discharge
 from canopen_twins.devices.charger.model.load import Web
-from canopen_twins.devices.charger.model.messages import Kind
+from canopen_twins.devices.charger.model.messages import Severity
 from canopen_twins.devices.charger.model.parameters import Parameter
-from canopen_twins.devices.charger.model.release import Source
-from canopen_twins.devices.charger.model.thermal import Heat
+from canopen_twins.devices.charger.model.release import ReleaseSource
 from canopen_twins.devices.charger.model.types import PCSC, Variant
 
 
@@ -56,7 +55,7 @@ def test_above_the_current_setpoint_the_voltage_gives_way(discharging, active):
 
 def test_heat_limits_the_power_of_the_discharging(discharging):
     warm = discharging.heating.at(discharging.now)["discharging"]
-    discharging.surround(heat=Heat(discharging=79.7 - warm))
+    discharging.surround(heat={"discharging": 79.7 - warm})
     discharging.step(2.0)
     assert now(discharging).limited
     assert now(discharging).power == pytest.approx(discharging.derating.discharging, rel=0.01)
@@ -81,7 +80,7 @@ def test_the_adjustment_shifts_the_direct_current(discharging):
 def test_a_passive_bar_has_no_voltage_and_takes_off_a_part(make):
     charger = make(PCSC, Variant.A, mode_discharging=0)
     charger.surround(web=Web(width=1.5, speed=2.0, surface_charge=5e-6))
-    charger.grant(Source.CANOPEN)
+    charger.grant(ReleaseSource.CANOPEN)
     charger.step(0.01)
     assert not charger.discharging_active
     assert now(charger).voltage == now(charger).current == 0
@@ -107,13 +106,14 @@ def test_the_software_release_counts_for_the_discharging_if_it_shall(
     charger = make(PCSC, Variant.A, mode_discharging=1, software_release_discharging=counts)
     charger.surround(hardware_release_discharging=hardware)
     if software:
-        charger.grant(Source.CANOPEN)
+        charger.grant(ReleaseSource.CANOPEN)
     assert charger.discharging_active is (hardware and (software or not counts))
 
 
 @pytest.mark.spec("C-143")
 def test_an_error_switches_the_discharging_off_too(discharging, catalogue):
-    discharging.force(catalogue.keyed(Kind.ERROR, "discharging_short"))
+    assert discharging.discharging_active
+    discharging.force(catalogue.keyed(Severity.ERROR, "discharging_short"))
     assert not discharging.discharging_active
 
 
@@ -159,7 +159,7 @@ def test_a_minute_of_calibration_gives_the_nominal_powers(make):
     charger.surround(bars=Bars(power=(1.0, 2.0)))
     charger.step(600.0)
     assert charger.parameters[Parameter.NOMINAL_POWER_1] == 0
-    charger.grant(Source.CANOPEN)
+    charger.grant(ReleaseSource.CANOPEN)
     charger.step(59.99)
     assert charger.parameters[Parameter.POLLUTION_DETECTION_DISCHARGING] == 2
     charger.step(0.01)

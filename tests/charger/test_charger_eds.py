@@ -2,10 +2,10 @@ import pytest
 from canopen.objectdictionary import ODVariable
 from charger_files import NODE_ID, entries, load, values
 
-from canopen_twins.devices.charger.eds import text, write_all
 from canopen_twins.devices.charger.model.types import PCSC, TYPES, Build, Variant
 from canopen_twins.devices.charger.object_table import file_name, table
 from canopen_twins.files.shipped import od_file
+from tools.charger_eds import text, write_all
 
 OBJECTS = {  # index: number of entries, as the overview of the manual and its tables have them
     0x1000: 1,

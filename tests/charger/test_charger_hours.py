@@ -1,7 +1,7 @@
 import pytest
 
-from canopen_twins.devices.charger.model.hours import MINUTE, Hours, duration
-from canopen_twins.devices.charger.model.release import Source
+from canopen_twins.devices.charger.model.release import ReleaseSource
+from canopen_twins.devices.charger.model.ticks import MINUTE, Hours, duration
 from canopen_twins.devices.charger.model.types import PCSC, Variant
 
 HOUR = 60 * MINUTE
@@ -34,7 +34,7 @@ def test_each_counter_runs_with_its_own_stage(make):
     charger = make(PCSC, Variant.A, mode_discharging=1, software_release_discharging=0)
     charger.surround(hardware_release_discharging=False)
     charger.step(60.0)
-    charger.grant(Source.CANOPEN)
+    charger.grant(ReleaseSource.CANOPEN)
     charger.step(120.0)
     charger.surround(hardware_release_discharging=True)
     charger.step(240.0)

@@ -5,7 +5,7 @@ from canopen_twins.devices.charger.model.parameters import Parameter
 
 def clear(charger, key):
     message = next(message for message in charger.messages.active if message.key == key)
-    charger.clear(message.kind, message.number)
+    charger.clear(message.severity, message.number)
 
 
 @pytest.mark.spec("C-164")

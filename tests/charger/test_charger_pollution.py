@@ -2,7 +2,7 @@ import pytest
 
 from canopen_twins.devices.charger.model.load import OPEN
 from canopen_twins.devices.charger.model.parameters import Parameter
-from canopen_twins.devices.charger.model.release import Source
+from canopen_twins.devices.charger.model.release import ReleaseSource
 
 MINUTE = 60.0
 
@@ -38,10 +38,10 @@ def test_with_a_nominal_resistance_monitoring_needs_no_calibration(make):
 def test_a_calibration_waits_while_high_voltage_is_off(running):
     running.write(Parameter.POLLUTION_DETECTION, 2)
     running.step(10 * MINUTE)
-    running.revoke(Source.CANOPEN)
+    running.revoke(ReleaseSource.CANOPEN)
     running.step(60 * MINUTE)
     assert running.charging.calibrating
-    running.grant(Source.CANOPEN)
+    running.grant(ReleaseSource.CANOPEN)
     running.step(10 * MINUTE - 0.01)
     assert running.charging.calibrating
     running.step(0.01)
@@ -102,7 +102,7 @@ def test_pollution_is_0_without_detection_without_voltage_and_while_calibrating(
         watched.write(Parameter.POLLUTION_DETECTION, value)
         assert watched.charging.pollution == 0
     watched.write(Parameter.POLLUTION_DETECTION, 1)
-    watched.revoke(Source.CANOPEN)
+    watched.revoke(ReleaseSource.CANOPEN)
     watched.step(0.01)
     assert watched.charging.pollution == 0
 
@@ -134,6 +134,6 @@ def test_a_restart_begins_the_calibration_afresh(watched, restart):
     watched.step(10 * MINUTE)
     if restart:
         watched.restart({Parameter.POLLUTION_DETECTION: 2})
-        watched.grant(Source.CANOPEN)
+        watched.grant(ReleaseSource.CANOPEN)
     watched.step(10 * MINUTE)
     assert watched.charging.calibrating is restart

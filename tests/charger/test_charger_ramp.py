@@ -2,7 +2,7 @@ import pytest
 
 from canopen_twins.devices.charger.model.output import Ramp
 from canopen_twins.devices.charger.model.parameters import Parameter
-from canopen_twins.devices.charger.model.release import Source
+from canopen_twins.devices.charger.model.release import ReleaseSource
 
 
 def microamperes(charger):
@@ -57,7 +57,7 @@ def test_a_ramp_is_a_straight_line_and_stays_at_its_end():
 
 
 def test_once_off_the_voltage_dies_away_without_a_current(running):
-    running.revoke(Source.CANOPEN)
+    running.revoke(ReleaseSource.CANOPEN)
     running.step(0.1)
     assert running.charging.output.voltage == pytest.approx(20000 / 2.718282, rel=1e-4)
     assert running.charging.output.current == 0

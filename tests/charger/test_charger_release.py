@@ -2,38 +2,46 @@ import pytest
 
 from canopen_twins.devices.charger.model.charger import Key
 from canopen_twins.devices.charger.model.parameters import Parameter
-from canopen_twins.devices.charger.model.release import NEXT, Event, Source, State
+from canopen_twins.devices.charger.model.release import (
+    NEXT,
+    ReleaseEvent,
+    ReleaseSource,
+    ReleaseState,
+)
 
-BUSES = [Source.CANOPEN, Source.ETHERNET]
-OTHERS = [Source.HMI, Source.ANALOG, Source.AUTOSTART]
+BUSES = [ReleaseSource.CANOPEN, ReleaseSource.ETHERNET]
+OTHERS = [ReleaseSource.HMI, ReleaseSource.ANALOG, ReleaseSource.AUTOSTART]
 SOURCES = [*BUSES, *OTHERS]
 
 
 def test_every_state_has_a_row_and_a_way_out():
-    assert set(NEXT) == set(State)
+    assert set(NEXT) == set(ReleaseState)
     assert all(NEXT.values())
 
 
-@pytest.mark.parametrize("state", State)
-@pytest.mark.parametrize("event", Event)
-def test_no_event_leads_out_of_the_table(state, event):
-    assert NEXT[state].get(event, state) in State
+@pytest.mark.parametrize("state", ReleaseState)
+def test_an_error_leads_to_fault_from_everywhere(state):
+    assert NEXT[state].get(ReleaseEvent.TRIPPED, state) is ReleaseState.FAULT
+
+
+def test_only_clearing_leads_out_of_fault_and_releases_nothing():
+    assert NEXT[ReleaseState.FAULT] == {ReleaseEvent.CLEARED: ReleaseState.LOCKED}
 
 
 @pytest.mark.spec("C-130")
 @pytest.mark.parametrize(
     ("software", "hardware", "state"),
     [
-        (False, False, State.LOCKED),
-        (False, True, State.LOCKED),
-        (True, False, State.ARMED),
-        (True, True, State.ON),
+        (False, False, ReleaseState.LOCKED),
+        (False, True, ReleaseState.LOCKED),
+        (True, False, ReleaseState.ARMED),
+        (True, True, ReleaseState.ON),
     ],
 )
 def test_high_voltage_needs_both_releases(charger, software, hardware, state):
     charger.surround(hardware_release=hardware)
     if software:
-        charger.grant(Source.CANOPEN)
+        charger.grant(ReleaseSource.CANOPEN)
     assert charger.release.state is state
     assert charger.charging_active is (software and hardware)
 
@@ -41,7 +49,7 @@ def test_high_voltage_needs_both_releases(charger, software, hardware, state):
 @pytest.mark.spec("C-130")
 def test_the_order_of_the_two_releases_does_not_matter(charger):
     charger.surround(hardware_release=False)
-    charger.grant(Source.CANOPEN)
+    charger.grant(ReleaseSource.CANOPEN)
     charger.surround(hardware_release=True)
     assert charger.charging_active
 
@@ -50,7 +58,7 @@ def test_the_order_of_the_two_releases_does_not_matter(charger):
 @pytest.mark.parametrize("enabled", SOURCES)
 @pytest.mark.parametrize("source", SOURCES)
 def test_only_an_enabled_source_can_release(make, enabled, source):
-    charger = make(release_mode=enabled.value & ~Source.AUTOSTART)
+    charger = make(release_mode=enabled.value & ~ReleaseSource.AUTOSTART)
     charger.write(Parameter.RELEASE_MODE, enabled.value)
     charger.grant(source)
     assert charger.release.software is (source is enabled)
@@ -59,7 +67,7 @@ def test_only_an_enabled_source_can_release(make, enabled, source):
 @pytest.mark.spec("C-131")
 def test_the_factory_setting_is_a_release_by_the_hmi_alone(make):
     charger = make(release_mode=4)
-    charger.grant(Source.CANOPEN)
+    charger.grant(ReleaseSource.CANOPEN)
     assert not charger.release.software
     charger.press(Key.ON)
     assert charger.release.software
@@ -67,20 +75,20 @@ def test_the_factory_setting_is_a_release_by_the_hmi_alone(make):
 
 @pytest.mark.spec("C-131")
 def test_the_last_of_several_sources_wins(make):
-    charger = make(release_mode=(Source.HMI | Source.CANOPEN).value)
-    charger.grant(Source.CANOPEN)
+    charger = make(release_mode=(ReleaseSource.HMI | ReleaseSource.CANOPEN).value)
+    charger.grant(ReleaseSource.CANOPEN)
     charger.press(Key.OFF)
     assert not charger.release.software
     charger.press(Key.ON)
-    charger.revoke(Source.CANOPEN)
+    charger.revoke(ReleaseSource.CANOPEN)
     assert not charger.release.software
 
 
 @pytest.mark.spec("C-135")
 def test_without_its_bit_the_bus_can_not_take_a_release_away_either(make):
-    charger = make(release_mode=Source.HMI.value)
+    charger = make(release_mode=ReleaseSource.HMI.value)
     charger.press(Key.ON)
-    charger.revoke(Source.CANOPEN)
+    charger.revoke(ReleaseSource.CANOPEN)
     assert charger.release.software
 
 
@@ -101,17 +109,17 @@ def test_autostart_that_is_switched_on_later_acts_at_the_next_start(charger):
 
 @pytest.mark.spec("C-131")
 def test_a_release_ends_with_the_bit_of_its_source(make):
-    charger = make(release_mode=(Source.HMI | Source.CANOPEN).value)
-    charger.grant(Source.CANOPEN)
-    charger.write(Parameter.RELEASE_MODE, Source.CANOPEN.value)
+    charger = make(release_mode=(ReleaseSource.HMI | ReleaseSource.CANOPEN).value)
+    charger.grant(ReleaseSource.CANOPEN)
+    charger.write(Parameter.RELEASE_MODE, ReleaseSource.CANOPEN.value)
     assert charger.release.software
-    charger.write(Parameter.RELEASE_MODE, Source.HMI.value)
+    charger.write(Parameter.RELEASE_MODE, ReleaseSource.HMI.value)
     assert not charger.release.software
 
 
 @pytest.mark.spec("C-133")
 def test_the_analog_setpoint_releases_with_hysteresis(make):
-    charger = make(release_mode=Source.ANALOG.value, analog_setpoint=2)
+    charger = make(release_mode=ReleaseSource.ANALOG.value, analog_setpoint=2)
     told = []
     for level in (0.0, 1.5, 2.0, 2.1, 1.5, 1.0, 0.9, 1.5):
         charger.surround(analog=level)
@@ -125,7 +133,7 @@ def test_the_analog_setpoint_releases_with_hysteresis(make):
     ("parameter", "value"), [(Parameter.ANALOG_SETPOINT, 0), (Parameter.RELEASE_MODE, 4)]
 )
 def test_an_analog_release_ends_with_the_interface_or_its_bit(make, parameter, value):
-    charger = make(release_mode=Source.ANALOG.value, analog_setpoint=1)
+    charger = make(release_mode=ReleaseSource.ANALOG.value, analog_setpoint=1)
     charger.surround(analog=50.0)
     charger.step(0.01)
     assert charger.release.software
@@ -137,7 +145,7 @@ def test_an_analog_release_ends_with_the_interface_or_its_bit(make, parameter, v
 @pytest.mark.spec("C-142")
 def test_an_open_hardware_release_is_off_at_once_and_a_new_ramp_afterwards(running):
     running.surround(hardware_release=False)
-    assert running.release.state is State.ARMED
+    assert running.release.state is ReleaseState.ARMED
     assert not running.charging_active
     running.step(2.0)
     assert running.charging.output.voltage == 0
@@ -148,11 +156,11 @@ def test_an_open_hardware_release_is_off_at_once_and_a_new_ramp_afterwards(runni
 
 @pytest.mark.spec("C-120", "C-167")
 def test_the_keyboard_lock_stops_the_keypad_but_not_the_touch_screen(make):
-    charger = make(release_mode=Source.HMI.value, keyboard_lock=0)
+    charger = make(release_mode=ReleaseSource.HMI.value, keyboard_lock=0)
     charger.write(Parameter.KEYBOARD_LOCK, 1)
     charger.press(Key.ON)
     assert not charger.release.software
-    charger.grant(Source.HMI)
+    charger.grant(ReleaseSource.HMI)
     charger.press(Key.OFF)
     assert charger.release.software
 
@@ -165,8 +173,8 @@ def test_the_keyboard_is_unlocked_after_every_restart(charger):
 
 @pytest.mark.spec("C-133")
 def test_an_analog_setpoint_that_stands_there_releases_again_after_a_restart(make):
-    values = {Parameter.RELEASE_MODE: Source.ANALOG.value, Parameter.ANALOG_SETPOINT: 1}
-    charger = make(release_mode=Source.ANALOG.value, analog_setpoint=1)
+    values = {Parameter.RELEASE_MODE: ReleaseSource.ANALOG.value, Parameter.ANALOG_SETPOINT: 1}
+    charger = make(release_mode=ReleaseSource.ANALOG.value, analog_setpoint=1)
     charger.surround(analog=50.0)
     charger.step(0.01)
     charger.restart(values)

@@ -1,7 +1,7 @@
 import pytest
 
 from canopen_twins.devices.charger.model.parameters import Parameter
-from canopen_twins.devices.charger.model.release import Source, State
+from canopen_twins.devices.charger.model.release import ReleaseSource, ReleaseState
 from canopen_twins.devices.charger.model.sparks import Counter, Counting, Sparks
 
 SE, SW, WE, WW = Counter
@@ -64,7 +64,7 @@ def test_a_slow_rise_is_less_steep(running):
 def test_nothing_counts_without_high_voltage_nor_while_a_ramp_runs(charger):
     strike(charger, 0.26)
     charger.write(Parameter.VOLTAGE_SETPOINT, 20000)
-    charger.grant(Source.CANOPEN)
+    charger.grant(ReleaseSource.CANOPEN)
     strike(charger, 0.26)
     assert counts(charger) == [0, 0, 0, 0]
     charger.step(1.0)
@@ -100,7 +100,7 @@ def test_ten_strong_sparks_are_an_error_that_switches_off(running, active):
     strike(running, 0.26)
     assert counts(running) == [10, 0, 0, 0]
     assert active(running) == [("ERROR", "strong_sparks")]
-    assert running.release.state is State.FAULT
+    assert running.release.state is ReleaseState.FAULT
 
 
 @pytest.mark.spec("C-172", "C-174")
@@ -143,7 +143,7 @@ def test_clearing_a_message_resets_its_counter_alone(running):
     strike(running, 0.21, times=2)
     strike(running, 0.13)
     warning = running.messages.active[0]
-    running.clear(warning.kind, warning.number)
+    running.clear(warning.severity, warning.number)
     assert running.messages.active == []
     assert counts(running) == [0, 0, 0, 1]
 
@@ -151,7 +151,7 @@ def test_clearing_a_message_resets_its_counter_alone(running):
 @pytest.mark.spec("C-175")
 def test_counters_survive_switching_off_but_no_restart(running):
     strike(running, 0.13)
-    running.revoke(Source.CANOPEN)
+    running.revoke(ReleaseSource.CANOPEN)
     running.step(1.0)
     assert counts(running) == [0, 0, 0, 1]
     running.restart({})

@@ -1,9 +1,8 @@
 import pytest
 
 from canopen_twins.devices.charger.model.parameters import Parameter
-from canopen_twins.devices.charger.model.release import Source
-from canopen_twins.devices.charger.model.sparks import Counter
-from canopen_twins.devices.charger.model.storm import Storm
+from canopen_twins.devices.charger.model.release import ReleaseSource
+from canopen_twins.devices.charger.model.sparks import Counter, Storm
 
 
 def counts(charger):
@@ -41,10 +40,10 @@ def test_a_storm_may_depend_on_the_voltage(running):
 def test_a_storm_ends_when_it_is_called_off_and_pauses_without_voltage(running):
     running.write(Parameter.SPARKS_LIMIT, 0)
     running.surround(storm=Storm(rate=5.0))
-    running.revoke(Source.CANOPEN)
+    running.revoke(ReleaseSource.CANOPEN)
     running.step(60.0)
     assert counts(running) == [0, 0, 0, 0]
-    running.grant(Source.CANOPEN)
+    running.grant(ReleaseSource.CANOPEN)
     running.step(60.0)
     counted = counts(running)
     assert sum(counted) > 50

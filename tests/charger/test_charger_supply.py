@@ -1,7 +1,7 @@
 import pytest
 
 from canopen_twins.devices.charger.model.surroundings import feed
-from canopen_twins.devices.charger.model.thermal import Heat, Temperature
+from canopen_twins.devices.charger.model.thermal import Temperature
 
 HOUR = 3600.0
 
@@ -51,10 +51,10 @@ def test_a_temperature_has_gone_63_percent_of_its_way_after_its_time_constant():
 
 
 def test_heat_from_outside_shows_at_once(charger):
-    charger.surround(heat=Heat(inside=30.0))
+    charger.surround(heat={"inside": 30.0})
     charger.step(0.01)
     assert charger.heating.at(charger.now)["inside"] == pytest.approx(55, abs=0.1)
-    charger.surround(heat=Heat())
+    charger.surround(heat={})
     charger.step(0.01)
     assert charger.heating.at(charger.now)["inside"] == pytest.approx(25, abs=0.1)
 

@@ -5,20 +5,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from canopen_twins.devices.charger.model.charger import Charger
-from canopen_twins.devices.charger.model.hours import duration
 from canopen_twins.devices.charger.model.load import SHORT
 from canopen_twins.devices.charger.model.parameters import Parameter
-from canopen_twins.devices.charger.model.release import Source
-from canopen_twins.devices.charger.model.storm import Storm
-from canopen_twins.devices.charger.model.thermal import Heat
+from canopen_twins.devices.charger.model.release import ReleaseSource
+from canopen_twins.devices.charger.model.sparks import Storm
+from canopen_twins.devices.charger.model.ticks import duration
 from canopen_twins.devices.charger.model.types import PCSC, Build, Variant
 from canopen_twins.devices.charger.object_table import factory
 
 TICK = 0.01
 ACTS = {
     "nothing": lambda charger: None,
-    "release": lambda charger: charger.grant(Source.CANOPEN),
-    "lock": lambda charger: charger.revoke(Source.CANOPEN),
+    "release": lambda charger: charger.grant(ReleaseSource.CANOPEN),
+    "lock": lambda charger: charger.revoke(ReleaseSource.CANOPEN),
     "timeout": lambda charger: charger.write(Parameter.RELEASE_TIMEOUT, 4130),
     "20 kV": lambda charger: charger.write(Parameter.VOLTAGE_SETPOINT, 20000),
     "30 kV": lambda charger: charger.write(Parameter.VOLTAGE_SETPOINT, 30000),
@@ -33,9 +32,9 @@ ACTS = {
     "short": lambda charger: charger.surround(electrode=SHORT),
     "dirt": lambda charger: charger.surround(active=0.3),
     "deep sag": lambda charger: charger.surround(supply_voltage=19.3),
-    "overheated": lambda charger: charger.surround(heat=Heat(inside=60.0)),
+    "overheated": lambda charger: charger.surround(heat={"inside": 60.0}),
     "sag": lambda charger: charger.surround(supply_voltage=20.3),
-    "hot": lambda charger: charger.surround(heat=Heat(power_stage=47.0)),
+    "hot": lambda charger: charger.surround(heat={"power_stage": 47.0}),
     "open": lambda charger: charger.surround(hardware_release=False),
     "closed": lambda charger: charger.surround(hardware_release=True),
 }
@@ -159,7 +158,7 @@ def by_ticks(charger, until):
 @pytest.mark.spec("C-139")
 def test_a_release_timeout_ends_the_rest_to_the_tick(make):
     charger = make(release_timeout=60000)
-    charger.grant(Source.CANOPEN)
+    charger.grant(ReleaseSource.CANOPEN)
     assert by_its_rest(charger, lambda charger: not charger.release.software) == 6000
 
 

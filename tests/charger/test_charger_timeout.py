@@ -1,17 +1,17 @@
 import pytest
 
 from canopen_twins.devices.charger.model.parameters import Parameter
-from canopen_twins.devices.charger.model.release import Release, Source
+from canopen_twins.devices.charger.model.release import Release, ReleaseSource
 
-BUSES = [Source.CANOPEN, Source.ETHERNET]
-OTHERS = [Source.HMI, Source.ANALOG, Source.AUTOSTART]
+BUSES = [ReleaseSource.CANOPEN, ReleaseSource.ETHERNET]
+OTHERS = [ReleaseSource.HMI, ReleaseSource.ANALOG, ReleaseSource.AUTOSTART]
 SOURCES = [*BUSES, *OTHERS]
 
 
 @pytest.mark.spec("C-139")
 def test_a_release_by_a_bus_ends_after_its_timeout(charger):
     charger.write(Parameter.RELEASE_TIMEOUT, 500)
-    charger.grant(Source.CANOPEN)
+    charger.grant(ReleaseSource.CANOPEN)
     charger.step(0.49)
     assert charger.release.software
     charger.step(0.01)
@@ -22,10 +22,10 @@ def test_a_release_by_a_bus_ends_after_its_timeout(charger):
 @pytest.mark.parametrize("again", ["grant", "write"])
 def test_every_new_release_rewinds_the_timeout_and_so_does_a_new_timeout(charger, again):
     charger.write(Parameter.RELEASE_TIMEOUT, 500)
-    charger.grant(Source.CANOPEN)
+    charger.grant(ReleaseSource.CANOPEN)
     charger.step(0.4)
     if again == "grant":
-        charger.grant(Source.CANOPEN)
+        charger.grant(ReleaseSource.CANOPEN)
     else:
         charger.write(Parameter.RELEASE_TIMEOUT, 500)
     charger.step(0.49)
@@ -36,7 +36,7 @@ def test_every_new_release_rewinds_the_timeout_and_so_does_a_new_timeout(charger
 
 @pytest.mark.spec("C-139")
 def test_no_timeout_no_end(charger):
-    charger.grant(Source.CANOPEN)
+    charger.grant(ReleaseSource.CANOPEN)
     charger.step(3600.0)
     assert charger.release.software
 
@@ -53,9 +53,9 @@ def test_the_timeout_concerns_a_release_by_a_bus_alone(source):
 @pytest.mark.spec("C-141")
 def test_the_timeout_is_no_message_and_a_new_release_undoes_it(charger, active):
     charger.write(Parameter.RELEASE_TIMEOUT, 500)
-    charger.grant(Source.CANOPEN)
+    charger.grant(ReleaseSource.CANOPEN)
     charger.step(0.6)
     assert not charger.release.software
     assert active(charger) == []
-    charger.grant(Source.CANOPEN)
+    charger.grant(ReleaseSource.CANOPEN)
     assert charger.charging_active

@@ -2,6 +2,8 @@ import canopen
 import pytest
 from canopen.lss import LssError
 
+pytestmark = pytest.mark.usefixtures("quick_to_disconnect")
+
 
 @pytest.fixture
 def network(canopen_device):

@@ -10,6 +10,7 @@ import canopen_twins
 from canopen_twins import Bench, device
 from canopen_twins.device import Abort, Chart, Curve, Fault, Object, Rejected
 from canopen_twins.errors import UserError
+from canopen_twins.record.plot.run import Run
 
 FAN = Path(__file__).parents[2] / "docs" / "examples" / "canopen-fan" / "canopen_fan" / "fan.eds"
 PROBE = str(Path(__file__).parents[1] / "probe.eds")
@@ -150,6 +151,17 @@ def test_every_power_on_makes_a_model_and_nothing_acts_on_the_one_before():
     assert bench.values("Actual speed") == {"Actual speed": number}
     bench.inject("strike")
     assert bench.device.model.hit
+
+
+def test_a_picture_draws_the_model_that_is_there_after_a_power_on():
+    bench = Bench.of({"fan": Capturing()})
+    observer = Run(bench.segment, None)
+    bench.run(1.0)
+    bench.power_off()
+    bench.power_on()
+    bench.run(1.0)
+    ((strip,),) = (node.curves for node in observer.nodes)
+    assert [point.value for point in strip.actual.points] == [2, 3]
 
 
 def test_settings_that_no_model_can_be_made_of_are_refused_and_the_others_stay():

@@ -1,4 +1,4 @@
-from canopen_twins.faults.sdo import Conversation
+from canopen_twins.bus.sdo import Conversation
 
 BLOCK_DOWNLOAD, BLOCK_UPLOAD, READ = "C603210010000000", "A40321007F000000", "4003210000000000"
 

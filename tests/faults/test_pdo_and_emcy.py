@@ -54,6 +54,7 @@ def test_a_tpdo_has_another_identifier(topcon):
 def test_a_tpdo_is_found_by_the_identifier_it_has_at_the_moment(topcon):
     topcon.sdo[0x1800][1].raw = 0x80000185
     topcon.sdo[0x1800][1].raw = 0x1A5
+    assert [frame[:4] for frame in topcon.send(SYNC)] == ["1A5#"]
     topcon.inject("pdo_missing", number=1)
     assert topcon.send(SYNC) == []
 

@@ -3,8 +3,6 @@
 START, STOP, ENTER_PREOP = "000#0101", "000#0201", "000#8001"
 RESET_NODE, RESET_COMMUNICATION = "000#8101", "000#8201"
 BOOT_UP = "701#00"
-BOOT_TIME = 0.3  # seconds, more than enough
-READ_ERRORS = "601#4005200000000000"
 
 
 def read(bench, index, subindex=0):

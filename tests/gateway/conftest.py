@@ -5,13 +5,11 @@ import pytest
 import yaml
 
 from canopen_twins import Bench
-from canopen_twins.devices.gateway.model.assignment import assignment
-from canopen_twins.devices.gateway.model.machines import Tables
-from canopen_twins.devices.gateway.model.options import Options
-from canopen_twins.devices.gateway.model.parameters import catalogue
-from canopen_twins.devices.gateway.model.scaling import scaling
+from canopen_twins.devices.gateway.model.errors import assignment
+from canopen_twins.devices.gateway.model.parameters import catalogue, scaling
 from canopen_twins.devices.gateway.model.state import MasterCommand
 from canopen_twins.devices.gateway.model.system import System
+from canopen_twins.devices.gateway.model.unit import Options, Tables
 
 OD = Path(__file__).parents[2] / "od"
 

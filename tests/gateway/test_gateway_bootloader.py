@@ -1,8 +1,13 @@
 import pytest
 
-from canopen_twins.devices.gateway.model.bootloader import PARAMETERS, Eeprom, EndlessLoop
+from canopen_twins.devices.gateway.model.bootloader import (
+    FROM_BOOTLOADER,
+    Eeprom,
+    EndlessLoop,
+    Finding,
+)
 from canopen_twins.devices.gateway.model.canopen_side import BootUp
-from canopen_twins.devices.gateway.model.state import State
+from canopen_twins.devices.gateway.model.state import GatewayState
 
 UNITS = ["gateway", "governor"]
 
@@ -25,7 +30,7 @@ def test_an_endless_loop_is_silent_for_ever(plain, test):
 @pytest.mark.spec("G-211")
 def test_a_failed_ram_test_is_told_by_the_bootloader(plain):
     rig = plain()
-    rig.gateway.bootloader.failed(1, (0x1234, 0x5555, 0x5515))
+    rig.gateway.bootloader.finding = Finding.of_test(1, (0x1234, 0x5555, 0x5515))
     assert boot(rig) == []
     desk = rig.gateway.desk
     assert [desk.read(number) for number in (3078, *range(3800, 3804))] == [
@@ -43,7 +48,7 @@ def test_a_failed_ram_test_is_told_by_the_bootloader(plain):
 def test_every_test_status_has_its_error(plain, unit, status):
     rig = plain()
     faulty = getattr(rig, unit)
-    faulty.bootloader.failed(status, (1, 2, 3))
+    faulty.bootloader.finding = Finding.of_test(status, (1, 2, 3))
     assert boot(rig) == []
     expected = {1: 3078, 10: 3076}.get(status, 3087)
     errors = [number for number in (3076, 3078, 3087, 3089) if faulty.desk.read(number)]
@@ -53,13 +58,13 @@ def test_every_test_status_has_its_error(plain, unit, status):
 
 def test_there_is_no_eleventh_test_status(plain):
     with pytest.raises(ValueError, match=r"3800 TestStatus: 11 is not in 1..10"):
-        plain().gateway.bootloader.failed(11)
+        plain().gateway.bootloader.finding = Finding.of_test(11)
 
 
 @pytest.mark.spec("G-213")
 def test_a_watchdog_that_fired_is_told_with_its_place(plain):
     rig = plain()
-    rig.gateway.bootloader.watchdog_fired(address=0x00ABCDEF, flags=0x0003)
+    rig.gateway.bootloader.finding = Finding.of_watchdog(address=0x00ABCDEF, flags=0x0003)
     assert boot(rig) == []
     desk = rig.gateway.desk
     assert desk.read(3089) == 1
@@ -69,10 +74,10 @@ def test_a_watchdog_that_fired_is_told_with_its_place(plain):
 @pytest.mark.parametrize("unit", UNITS)
 def test_the_bootloader_answers_for_its_own_parameters_only(plain, unit):
     rig = plain()
-    getattr(rig, unit).bootloader.failed(9)
+    getattr(rig, unit).bootloader.finding = Finding.of_test(9)
     boot(rig)
     desk = getattr(rig, unit).desk
-    for number in PARAMETERS:
+    for number in FROM_BOOTLOADER:
         desk.read(number)
     with pytest.raises(ValueError, match="no answer"):
         desk.read(401)
@@ -91,7 +96,7 @@ def test_while_it_starts_a_unit_does_not_answer(plain):
 @pytest.mark.parametrize("unit", UNITS)
 def test_a_unit_works_again_when_the_finding_is_gone(plain, unit):
     rig = plain()
-    getattr(rig, unit).bootloader.failed(9)
+    getattr(rig, unit).bootloader.finding = Finding.of_test(9)
     boot(rig)
     getattr(rig, unit).bootloader.finding = None
     getattr(rig, unit).reset()
@@ -119,7 +124,7 @@ def test_eeprom_errors_take_effect_at_the_next_start(plain):
     )
     unit.reset()
     rig.run(0.5)
-    assert rig.system.state is State.PRE_OPERATIONAL
+    assert rig.system.state is GatewayState.PRE_OPERATIONAL
     assert unit.desk.read(3099) == 0b111_1000
     assert [unit.desk.read(number) for number in (3194, 3195, 3844, 3845)] == [0, 0, 0, 0]
     assert rig.system.dictionary.tpdos[1].identifier == 0x181

@@ -1,11 +1,9 @@
 import pytest
 
-from canopen_twins.devices.gateway.model.dictionary import Entry
-from canopen_twins.devices.gateway.model.state import State
-from canopen_twins.devices.gateway.model.telegrams import Refusal
+from canopen_twins.devices.gateway.model.configuration import Entry, Refusal
+from canopen_twins.devices.gateway.model.state import GatewayState
 from canopen_twins.devices.gateway.model.timing import cycles, microseconds
 
-TPDO4_ONLY = {"governor": {16472: 0}}
 NO_BINARY = {"governor": {14401: 0, 14402: 0}}
 
 
@@ -212,7 +210,7 @@ def test_an_identifier_is_used_once(rig, identifier):
 def test_inactive_pdos_are_not_checked(plain):
     rig = plain({"gateway": {16404: 0x181, 16405: 0x000}})
     assert refusal(rig) is None
-    assert rig.system.state is State.PRE_OPERATIONAL
+    assert rig.system.state is GatewayState.PRE_OPERATIONAL
 
 
 @pytest.mark.spec("G-077")

@@ -1,8 +1,6 @@
 import pytest
 
-from canopen_twins.devices.gateway.model.engine import Engine
-from canopen_twins.devices.gateway.model.engine_control import NEXT, Mode
-from canopen_twins.devices.gateway.model.timing import Time
+from canopen_twins.devices.gateway.model.engine import NEXT, Engine, Mode
 
 CYCLE = 0.015625
 
@@ -158,7 +156,7 @@ def test_every_mode_can_be_left(mode):
 
 
 def test_an_engine_at_rest_does_not_mind_how_time_passes():
-    lone, other = Engine(Time()), Engine(Time())
+    lone, other = Engine(), Engine()
     for engine in (lone, other):
         engine.speed, engine.charge_air = 300.0, 60.0
     for second in range(1, 101):
@@ -169,7 +167,7 @@ def test_an_engine_at_rest_does_not_mind_how_time_passes():
 
 
 def test_a_day_without_the_governor_passes_at_once():
-    engine = Engine(Time())
+    engine = Engine()
     engine.speed = 1500.0
     engine.run_to(86_400_000_000)
     assert engine.speed == 0

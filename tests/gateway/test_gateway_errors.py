@@ -1,11 +1,10 @@
 import pytest
 
-from canopen_twins.devices.gateway.model.canopen_errors import NUMBERS, CanopenError
 from canopen_twins.devices.gateway.model.canopen_side import BootUp, Heartbeat, TpdoFrame
-from canopen_twins.devices.gateway.model.errors import FATAL
-from canopen_twins.devices.gateway.model.state import GovernorCommand, MasterCommand, State
+from canopen_twins.devices.gateway.model.errors import CANOPEN_ERRORS, FATAL, CanopenError
+from canopen_twins.devices.gateway.model.heinzmann_can import Command
+from canopen_twins.devices.gateway.model.state import GatewayState, GovernorCommand, MasterCommand
 from canopen_twins.devices.gateway.model.system import Buffer
-from canopen_twins.devices.gateway.model.telegrams import Command
 
 NO_HEARTBEAT = {"gateway": {429: 0}}
 OPERATIONAL = MasterCommand.OPERATIONAL
@@ -21,7 +20,7 @@ def both(rig, number):
 
 @pytest.mark.spec("G-054")
 def test_table_2_gives_every_error_its_bit():
-    bits = {number: error.bit_length() - 1 for number, error in NUMBERS.items()}
+    bits = {number: error.bit_length() - 1 for number, error in CANOPEN_ERRORS.items()}
     assert bits == {12411 + k: k for k in (*range(5), *range(8, 14))}
     assert sum(CanopenError) == 0b0011_1111_0001_1111
 
@@ -36,7 +35,7 @@ def test_a_low_supply_is_told_counted_and_gone_by_itself(plain):
         rig.gateway.desk.show("PowerSupply", 7.5)
         rig.run(0.1)
         assert (rig.gateway.desk.read(3085), rig.gateway.desk.read(3185)) == (0, times)
-    assert rig.system.state is State.OPERATIONAL
+    assert rig.system.state is GatewayState.OPERATIONAL
 
 
 def test_the_lowest_supply_can_be_another(plain):
@@ -126,11 +125,11 @@ def test_a_fatal_error_of_the_gateway_lasts_until_its_reset(plain, number):
     rig = plain(NO_HEARTBEAT).operational()
     rig.gateway.fail(number)
     rig.run(0.05)
-    assert rig.system.state is State.UNDEFINED
+    assert rig.system.state is GatewayState.UNDEFINED
     rig.gateway.mend(number)
     rig.gateway.desk.clear_errors()
     assert messages(rig, 3.0) == []
-    assert rig.system.state is State.UNDEFINED
+    assert rig.system.state is GatewayState.UNDEFINED
     assert rig.governor.desk.read(12412) == 0
     rig.gateway.reset()
     assert messages(rig, 0.5) == [BootUp()]
@@ -144,7 +143,7 @@ def test_an_exception_is_kept_with_its_place(plain):
     rig.gateway.reset()
     rig.run(0.5)
     assert [rig.gateway.desk.read(3195 + k) for k in range(4)] == [2, 0x5678, 0x1234, 0x55AA]
-    assert rig.system.state is State.UNDEFINED
+    assert rig.system.state is GatewayState.UNDEFINED
 
 
 def test_an_error_with_a_cause_of_its_own_cannot_be_made_up(plain):
@@ -162,7 +161,7 @@ def test_a_bus_error_of_can1_ends_communication_and_stays_visible(plain, unit, o
     assert faulty.desk.read(3070) == 1
     faulty.wiring.bus_fault = False
     rig.run(0.5)
-    assert (rig.system.state, rig.word) == (State.PRE_OPERATIONAL, own)
+    assert (rig.system.state, rig.word) == (GatewayState.PRE_OPERATIONAL, own)
     assert (faulty.desk.read(3070), both(rig, 3074)) == (0, [1, 1])
 
 
@@ -171,7 +170,7 @@ def test_a_gateway_cut_off_from_can1_is_undefined(plain):
     rig = plain().operational()
     rig.gateway.wiring.bus_fault = True
     rig.run(0.03)
-    assert rig.system.state is State.UNDEFINED
+    assert rig.system.state is GatewayState.UNDEFINED
     assert rig.gateway.desk.read(2405) == 0
 
 
@@ -193,7 +192,7 @@ def test_clearing_helps_only_when_the_bus_is_healthy_again(plain, unit, cause):
     rig.run(0.5)
     faulty.desk.clear_errors()
     rig.run(0.1)
-    assert (rig.system.state, rig.word) == (State.PRE_OPERATIONAL, 0)
+    assert (rig.system.state, rig.word) == (GatewayState.PRE_OPERATIONAL, 0)
 
 
 @pytest.mark.spec("G-144", "G-148", "G-187", "G-195")
@@ -203,7 +202,7 @@ def test_a_duplicate_number_is_a_communication_error(plain, unit, word):
     faulty = getattr(rig, unit)
     faulty.wiring.duplicate = True
     rig.run(0.3)
-    assert (rig.system.state, faulty.desk.read(3071)) == (State.UNDEFINED, 1)
+    assert (rig.system.state, faulty.desk.read(3071)) == (GatewayState.UNDEFINED, 1)
     faulty.wiring.duplicate = False
     assert messages(rig, 0.5) == [BootUp()]
     assert (rig.word, faulty.desk.read(3071)) == (word, 0)
@@ -237,9 +236,9 @@ def test_overflows_of_the_link_are_told_by_device_and_end_in_a_time_out(plain):
 def test_a_receive_overflow_begins_anew(plain, buffer, counter, word):
     rig = plain(NO_HEARTBEAT).operational()
     rig.system.overflow(buffer)
-    assert rig.system.state is State.UNDEFINED
+    assert rig.system.state is GatewayState.UNDEFINED
     assert messages(rig, 0.5) == [BootUp()]
-    assert (rig.system.state, rig.word) == (State.PRE_OPERATIONAL, word)
+    assert (rig.system.state, rig.word) == (GatewayState.PRE_OPERATIONAL, word)
     assert (rig.gateway.desk.read(counter), rig.gateway.desk.read(counter - 100)) == (1, 0)
     rig.gateway.desk.clear_errors()
     rig.run(0.05)
@@ -251,26 +250,26 @@ def test_a_receive_overflow_begins_anew(plain, buffer, counter, word):
 def test_an_sdo_transmit_overflow_waits_in_stopped_for_the_master(plain, command):
     rig = plain().operational()
     rig.system.overflow(Buffer.SDO_TRANSMIT)
-    assert rig.system.state is State.STOPPED
+    assert rig.system.state is GatewayState.STOPPED
     assert messages(rig, 3.0) == []
-    assert rig.system.state is State.STOPPED
+    assert rig.system.state is GatewayState.STOPPED
     assert rig.word == 0x2000
     rig.system.command(command)
     rig.run(0.05)
     assert rig.word == (0 if command is OPERATIONAL else 0x2000)
-    assert rig.system.state is not State.STOPPED
+    assert rig.system.state is not GatewayState.STOPPED
 
 
 @pytest.mark.spec("G-149", "G-188", "G-007", "G-026")
 @pytest.mark.parametrize(
-    ("period", "sign"), [(0, BootUp()), (5000, Heartbeat(State.PRE_OPERATIONAL))]
+    ("period", "sign"), [(0, BootUp()), (5000, Heartbeat(GatewayState.PRE_OPERATIONAL))]
 )
 def test_a_canopen_bus_fault_is_silence_and_then_a_sign_within_half_a_second(plain, period, sign):
     rig = plain({"gateway": {429: period}}).operational()
     rig.run(1.5)
     rig.gateway.plug.fault = True
     assert rig.run(1.2) == []
-    assert (rig.system.state, rig.gateway.desk.read(3072)) == (State.PRE_OPERATIONAL, 1)
+    assert (rig.system.state, rig.gateway.desk.read(3072)) == (GatewayState.PRE_OPERATIONAL, 1)
     assert rig.gateway.desk.read(12405) == 0
     assert both(rig, 3071) == [0, 0]
     rig.gateway.plug.fault = False
@@ -318,7 +317,7 @@ def test_during_a_canopen_bus_fault_the_master_is_not_heard(plain):
     rig.run(0.1)
     rig.system.command(OPERATIONAL)
     rig.system.receive_rpdo(1, (1, 2, 3))
-    assert (rig.system.state, rig.system.listening) == (State.PRE_OPERATIONAL, False)
+    assert (rig.system.state, rig.system.listening) == (GatewayState.PRE_OPERATIONAL, False)
 
 
 @pytest.mark.parametrize(
@@ -370,7 +369,7 @@ def test_an_init_that_was_under_way_does_not_lead_out_of_a_fatal_error(plain):
     rig.run(0.05)
     rig.governor.programme.can.send(Command(GovernorCommand.INIT, 50, fresh=False))
     rig.run(0.005)
-    assert rig.system.state is State.UNDEFINED
+    assert rig.system.state is GatewayState.UNDEFINED
 
 
 def test_an_error_in_operational_is_sent_on(plain):

@@ -7,7 +7,6 @@ from .bus import BOOT_UP, ENTER_PREOP, START, heard, read, word
 
 QUIET = ({16460: 0, 16472: 0, 14401: 0}, {429: 0})
 SENSORS = dict.fromkeys((4900, 4901, 4906, 4917, 4827, 4835), 3)
-FLASH = (3075, 3079)
 
 
 @pytest.fixture

@@ -1,9 +1,8 @@
 import pytest
 import yaml
 
-from canopen_twins.devices.gateway.model.assignment import ENGINE_STATES, assignment
-from canopen_twins.devices.gateway.model.parameters import Unit, catalogue
-from canopen_twins.devices.gateway.model.scaling import scaling
+from canopen_twins.devices.gateway.model.errors import ENGINE_STATES, assignment
+from canopen_twins.devices.gateway.model.parameters import Unit, catalogue, scaling
 from canopen_twins.files.shipped import od_file
 
 ROW = {
@@ -85,7 +84,7 @@ def test_a_scale_is_there_once_and_complete(tables):
     ],
 )
 def test_internal_values(tables, number, value, internal):
-    assert tables.scaling.count(number).of(value) == internal
+    assert tables.scaling.of(number).internal(value) == internal
 
 
 @pytest.mark.spec("G-065")
@@ -94,9 +93,8 @@ def test_internal_values(tables, number, value, internal):
     [(2000, True, False), (2908, True, True), (835, True, True), (14401, False, None)],
 )
 def test_what_is_analogue_and_signed(tables, number, analogue, signed):
-    parameter = tables.scaling.analogue(number)
-    assert (parameter is not None) is analogue
-    assert not analogue or parameter.signed is signed
+    assert tables.scaling.analogue(number) is analogue
+    assert not analogue or tables.scaling.of(number).signed is signed
 
 
 def bits():

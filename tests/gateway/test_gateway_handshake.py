@@ -1,20 +1,19 @@
 import pytest
 
-from canopen_twins.devices.gateway.model.canopen_errors import CanopenError
 from canopen_twins.devices.gateway.model.canopen_side import BootUp
-from canopen_twins.devices.gateway.model.handshake import NEXT, UNDERWAY, Event, Handshake, Phase
-from canopen_twins.devices.gateway.model.parameters import Unit
-from canopen_twins.devices.gateway.model.state import GovernorCommand, MasterCommand, State
-from canopen_twins.devices.gateway.model.telegrams import (
-    BinaryPart,
+from canopen_twins.devices.gateway.model.configuration import ActivePdo, Refusal
+from canopen_twins.devices.gateway.model.errors import CanopenError
+from canopen_twins.devices.gateway.model.handshake import NEXT, UNDERWAY, Handshake, Phase, Progress
+from canopen_twins.devices.gateway.model.heinzmann_can import (
     Command,
     GatewayAlive,
     InitData,
     InitEnd,
     InitReady,
     InitResult,
-    Refusal,
 )
+from canopen_twins.devices.gateway.model.parameters import Unit
+from canopen_twins.devices.gateway.model.state import GatewayState, GovernorCommand, MasterCommand
 from canopen_twins.devices.gateway.model.timing import Time
 
 OWN_IS_PARTNER = {"gateway": {428: 1}}
@@ -35,7 +34,7 @@ def test_three_refusals_end_in_undefined_with_12412_in_both_units(plain):
     rig = plain(OWN_IS_PARTNER)
     rig.system.power_on()
     assert rig.run(3.0) == []
-    assert rig.system.state is State.UNDEFINED
+    assert rig.system.state is GatewayState.UNDEFINED
     assert rig.governor.programme.handshake.refusal is Refusal.OWN_IS_PARTNER
     for unit in (rig.gateway, rig.governor):
         assert (unit.desk.read(12412), unit.desk.read(3074)) == (1, 1)
@@ -89,7 +88,7 @@ def test_12412_is_told_in_preoperational_until_operational_or_until_it_is_cleare
     repair(rig)
     rig.gateway.reset()
     rig.run(0.3)
-    assert (rig.system.state, rig.word) == (State.PRE_OPERATIONAL, 0x0002)
+    assert (rig.system.state, rig.word) == (GatewayState.PRE_OPERATIONAL, 0x0002)
     end(rig)
     rig.run(0.1)
     assert rig.word == 0
@@ -136,22 +135,22 @@ def test_a_telegram_of_another_session_is_ignored(plain):
     governor.send(InitEnd(99, 0))
     governor.send(Command(GovernorCommand.PRE_OPERATIONAL, 99, fresh=False))
     rig.run(0.002)
-    assert rig.system.state is State.INIT
+    assert rig.system.state is GatewayState.INIT
 
 
 def test_init_data_of_another_session_do_not_spoil_this_one(plain):
     rig = plain()
     rig.system.power_on()
     rig.run(0.21675)
-    assert rig.system.state is State.INIT
-    rig.governor.programme.can.send(InitData(99, BinaryPart(errors=True, status=True)))
+    assert rig.system.state is GatewayState.INIT
+    rig.governor.programme.can.send(InitData(99, (ActivePdo(True, 1, ()),)))
     assert [message for _, message in rig.run(0.01)] == [BootUp()]
 
 
 def test_answers_of_another_session_lead_nowhere():
     sent = []
     handshake = Handshake(Time(), sent.append, [])
-    handshake.heard(GatewayAlive(State.UNDEFINED, 7, True, True, CanopenError(0)))
+    handshake.heard(GatewayAlive(GatewayState.UNDEFINED, 7, True, True, CanopenError(0)))
     handshake.step()
     handshake.ready(InitReady(7))
     assert handshake.phase is Phase.READY
@@ -171,8 +170,8 @@ def test_every_phase_can_be_left(phase):
 
 @pytest.mark.parametrize("phase", UNDERWAY)
 def test_every_step_can_fail(phase):
-    assert NEXT[phase][Event.FAILED] is Phase.PAUSE
-    assert NEXT[phase][Event.GIVEN_UP] is Phase.FAILED
+    assert NEXT[phase][Progress.FAILED] is Phase.PAUSE
+    assert NEXT[phase][Progress.GIVEN_UP] is Phase.FAILED
 
 
 @pytest.mark.spec("G-201")
@@ -189,7 +188,7 @@ def test_node_numbers_that_do_not_match_crosswise_give_no_link(plain, unit, numb
     rig = plain({unit: {number: 9}})
     rig.system.power_on()
     assert rig.run(2.0) == []
-    assert rig.system.state is State.UNDEFINED
+    assert rig.system.state is GatewayState.UNDEFINED
     assert (rig.gateway.desk.read(3071), rig.governor.desk.read(3071)) == (1, 1)
 
 
@@ -199,7 +198,7 @@ def test_a_link_that_is_not_activated_stays_silent_without_an_error_there(plain,
     rig = plain({unit: {number: 0}})
     rig.system.power_on()
     assert rig.run(2.0) == []
-    assert rig.system.state is State.UNDEFINED
+    assert rig.system.state is GatewayState.UNDEFINED
     assert getattr(rig, unit).desk.read(3071) == 0
 
 
@@ -224,12 +223,12 @@ def test_different_bit_rates_are_a_bus_error_in_both_units(plain):
 @pytest.mark.spec("G-001")
 def test_bit_rates_set_by_hand_are_not_compared(plain):
     rig = plain({"gateway": {416: 500, 4416: 1}}).on()
-    assert rig.system.state is State.PRE_OPERATIONAL
+    assert rig.system.state is GatewayState.PRE_OPERATIONAL
 
 
 @pytest.mark.spec("G-001")
 @pytest.mark.parametrize("rate", [125, 250, 500, 1000])
 def test_the_bit_rate_of_canopen_is_its_own(plain, rate):
     rig = plain({"gateway": {426: rate}}).on()
-    assert rig.system.state is State.PRE_OPERATIONAL
+    assert rig.system.state is GatewayState.PRE_OPERATIONAL
     assert rig.gateway.desk.read(416) == 250

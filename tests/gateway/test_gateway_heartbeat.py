@@ -1,6 +1,6 @@
 import pytest
 
-from canopen_twins.devices.gateway.model.state import MasterCommand, State
+from canopen_twins.devices.gateway.model.state import GatewayState, MasterCommand
 
 OPERATIONAL = MasterCommand.OPERATIONAL
 WATCHING = {"gateway": {428: 127, 430: 100}}
@@ -22,7 +22,7 @@ def test_a_partner_that_falls_silent_makes_all_canopen_inputs_faulty(rig):
     assert (rig.word, rig.governor.desk.read(3005), inputs.active(835)) == (0, 0, True)
     rig.run(0.12)
     assert (rig.word, rig.governor.desk.read(3005), inputs.active(835)) == (0x0200, 1, False)
-    assert rig.system.state is State.OPERATIONAL
+    assert rig.system.state is GatewayState.OPERATIONAL
     for unit in (rig.governor, rig.gateway):
         assert (unit.desk.read(12420), unit.desk.read(3074)) == (1, 1)
 

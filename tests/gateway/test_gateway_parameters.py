@@ -4,8 +4,8 @@ import pytest
 
 from canopen_twins.devices.gateway.model.configuration import SENSORS, SWITCH_FUNCTIONS
 from canopen_twins.devices.gateway.model.desk import SHOWN
-from canopen_twins.devices.gateway.model.parameters import Kind, Unit
-from canopen_twins.devices.gateway.model.state import State
+from canopen_twins.devices.gateway.model.parameters import Unit
+from canopen_twins.devices.gateway.model.state import GatewayState
 
 # 11.2 to 11.5 as printed: number -> name, range, level
 PRINTED = {
@@ -88,10 +88,10 @@ def test_names_and_sources_are_complete(tables, unit):
     assert all(parameter.source for parameter in parameters)
 
 
-def test_the_list_is_told_by_the_number(tables):
-    of = {Kind.PARAMETER: 427, Kind.MEASUREMENT: 12401, Kind.FUNCTION: 4400, Kind.CURVE: 16404}
-    for kind, number in of.items():
-        assert tables.catalogue.find(Unit.GATEWAY, number).kind is kind
+def test_a_measurement_is_told_by_its_number(tables):
+    writable = {427: True, 12401: False, 4400: True, 16404: True}  # one of each list of chapter 11
+    for number, expected in writable.items():
+        assert tables.catalogue.find(Unit.GATEWAY, number).writable is expected
 
 
 def test_the_same_number_means_different_things_in_the_two_units(tables):
@@ -234,7 +234,7 @@ def test_what_is_kept_survives_in_a_file(plain, rig):
     after.system.restore(json.loads(json.dumps(before.system.kept)))
     after.on()
     assert [after.gateway.desk.read(n) for n in (427, 3194, 3195, 3196, 3851)] == [9, 1, 1, 2, 3]
-    assert after.system.state is State.PRE_OPERATIONAL
+    assert after.system.state is GatewayState.PRE_OPERATIONAL
     assert after.system.kept == before.system.kept
 
 

@@ -1,9 +1,9 @@
 import pytest
 
 from canopen_twins.devices.gateway.model.canopen_side import BootUp, TpdoFrame
+from canopen_twins.devices.gateway.model.heinzmann_can import GovernorAlive
 from canopen_twins.devices.gateway.model.parameters import Unit
-from canopen_twins.devices.gateway.model.state import MasterCommand, State
-from canopen_twins.devices.gateway.model.telegrams import GovernorAlive
+from canopen_twins.devices.gateway.model.state import GatewayState, MasterCommand
 from canopen_twins.devices.gateway.model.timing import NEVER
 
 NO_HEARTBEAT = {"gateway": {429: 0}}
@@ -29,7 +29,7 @@ def test_a_governor_reset_in_operational_boots_again_with_12411(plain):
     sent = rig.run(0.3)
     assert [message for _, message in sent if isinstance(message, BootUp)] == [BootUp()]
     assert sent[-1][1] == BootUp()
-    assert rig.system.state is State.PRE_OPERATIONAL
+    assert rig.system.state is GatewayState.PRE_OPERATIONAL
     rig.run(2.0)
     assert rig.word == 0x0001
     for unit in (rig.governor, rig.gateway):
@@ -92,9 +92,9 @@ def test_the_stale_operational_before_the_new_init_clears_nothing(plain):
     rig.run(0.201)
     while not rig.governor.desk.read(12411):
         rig.run(0.001)
-    assert rig.system.state is State.OPERATIONAL
+    assert rig.system.state is GatewayState.OPERATIONAL
     rig.run(0.1)
-    assert (rig.system.state, rig.word) == (State.PRE_OPERATIONAL, 0x0001)
+    assert (rig.system.state, rig.word) == (GatewayState.PRE_OPERATIONAL, 0x0001)
 
 
 @pytest.mark.spec("G-198", "G-187", "G-148")
@@ -129,7 +129,7 @@ def test_a_short_interruption_of_the_link_only_costs_telegrams(plain):
     rig = plain(NO_HEARTBEAT).operational()
     rig.run(1.5)
     assert cut(rig, *Unit, seconds=0.3)[1:] == []
-    assert rig.system.state is State.OPERATIONAL
+    assert rig.system.state is GatewayState.OPERATIONAL
     assert kinds(rig.run(0.1)) == [TpdoFrame]
     assert rig.word == 0
 
@@ -139,7 +139,7 @@ def test_a_long_interruption_is_noticed_by_both_and_got_over(plain):
     rig = plain(NO_HEARTBEAT).operational()
     rig.run(1.5)
     cut(rig, *Unit, seconds=1.5)
-    assert rig.system.state is State.UNDEFINED
+    assert rig.system.state is GatewayState.UNDEFINED
     assert [message for _, message in rig.run(0.3)] == [BootUp()]
     assert rig.word == 0x0810
     assert (rig.governor.desk.read(3071), rig.gateway.desk.read(3071)) == (0, 0)
@@ -153,7 +153,7 @@ def test_an_interruption_of_one_direction_is_noticed_by_the_one_that_hears_nothi
     rig = plain(NO_HEARTBEAT).operational()
     rig.run(1.5)
     cut(rig, towards, seconds=1.5)
-    assert rig.system.state is State.UNDEFINED
+    assert rig.system.state is GatewayState.UNDEFINED
     assert [message for _, message in rig.run(0.3)] == [BootUp()]
     assert rig.word == word
 
@@ -234,10 +234,10 @@ def test_what_the_gateway_said_before_the_new_session_clears_nothing(plain):
     rig.run(0.7)
     rig.system.command(MasterCommand.OPERATIONAL)
     rig.run(0.1)
-    assert rig.system.state is State.OPERATIONAL
+    assert rig.system.state is GatewayState.OPERATIONAL
     rig.governor.reset()
     rig.run(1.0)
-    assert (rig.system.state, rig.word) == (State.PRE_OPERATIONAL, 0x0001)
+    assert (rig.system.state, rig.word) == (GatewayState.PRE_OPERATIONAL, 0x0001)
 
 
 def test_the_same_story_gives_the_same_messages(rig):
@@ -254,5 +254,5 @@ def test_without_power_nothing_is_due(plain):
     rig.system.power_off()
     rig.run(0.01)
     assert rig.system.rest == float("inf")
-    assert (rig.system.state, rig.system.listening) == (State.UNDEFINED, False)
+    assert (rig.system.state, rig.system.listening) == (GatewayState.UNDEFINED, False)
     assert rig.system.dictionary is None

@@ -12,7 +12,7 @@ import can
 import pytest
 
 from canopen_twins.bus.hub.client import HubBus
-from canopen_twins.bus.hub.protocol import Address
+from canopen_twins.bus.hub.protocol import HubAddress
 from canopen_twins.bus.hub.server import serve_hub
 
 PATIENCE = 5.0
@@ -57,7 +57,7 @@ class Caller:
 
 
 @contextmanager
-def hub_at(address: Address) -> Iterator[Address]:
+def hub_at(address: HubAddress) -> Iterator[HubAddress]:
     """A hub in a thread; a bug comes out at the end."""
     ready: SimpleQueue = SimpleQueue()
     stop = Event()
@@ -72,7 +72,7 @@ def hub_at(address: Address) -> Iterator[Address]:
     thread.start()
     try:
         told = ready.get(timeout=PATIENCE)
-        assert isinstance(told, Address), told
+        assert isinstance(told, HubAddress), told
         yield told
     finally:
         stop.set()
@@ -103,9 +103,9 @@ def no_bug(caplog) -> Iterator[None]:
 
 
 @pytest.fixture
-def hub() -> Iterator[Address]:
+def hub() -> Iterator[HubAddress]:
     """The address of a hub."""
-    with hub_at(Address(port=0)) as address:
+    with hub_at(HubAddress(port=0)) as address:
         yield address
 
 

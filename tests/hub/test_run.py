@@ -10,7 +10,7 @@ from canopen_twins.cli import main
 
 from .conftest import EDS, PATIENCE, PROGRAM, started
 
-canopen.Network.NOTIFIER_CYCLE = 0.01  # disconnecting waits for it
+pytestmark = pytest.mark.usefixtures("quick_to_disconnect")
 
 TWO = """\
 version: 1

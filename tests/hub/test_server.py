@@ -11,7 +11,7 @@ import pytest
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.hub import server as connection
 from canopen_twins.bus.hub.client import HubBus
-from canopen_twins.bus.hub.protocol import Address
+from canopen_twins.bus.hub.protocol import HubAddress
 from canopen_twins.bus.hub.server import serve_hub
 from canopen_twins.errors import UserError
 
@@ -138,7 +138,7 @@ def test_a_client_that_does_not_read_is_dropped_and_holds_nobody_up(call, ours, 
         assert hear(b) == f"123#{number:016X}"
         if caplog.records:
             break
-    name = Address(*dead.socket.getsockname())
+    name = HubAddress(*dead.socket.getsockname())
     assert [record.getMessage() for record in caplog.records] == [
         f"{name} does not read what is on vcan0: dropped"
     ]
@@ -165,7 +165,7 @@ def test_a_client_that_does_not_read_why_is_forgotten(call, monkeypatch, caplog)
 
     hub_is_through(20_000 * "< send 123 8 1 2 3 4 5 6 7 8 >")  # less than the hub keeps
     dead.say("nonsense")
-    while f"{Address(*dead.socket.getsockname())} has gone" not in caplog.text:
+    while f"{HubAddress(*dead.socket.getsockname())} has gone" not in caplog.text:
         hub_is_through()
     everything = b"".join(iter(lambda: dead.read(1 << 16), b""))
     assert b"error" not in everything
@@ -208,7 +208,7 @@ def test_an_address_in_use_is_wrong_input(hub):
 
 
 def test_a_hub_that_is_gone_is_an_error_of_the_bus(stack):
-    with hub_at(Address(port=0)) as address:
+    with hub_at(HubAddress(port=0)) as address:
         bus = stack.enter_context(HubBus(address, "vcan0"))
     with pytest.raises(can.CanOperationError, match="the hub is gone"):
         bus.recv(PATIENCE)
@@ -222,7 +222,7 @@ def test_a_refusal_is_an_error_of_the_bus(hub, caplog):
 def test_who_comes_and_goes_is_told_to_whoever_asks(hub, call, caplog):
     caplog.set_level(logging.INFO)
     caller = call().join("left")
-    name = Address(*caller.socket.getsockname())
+    name = HubAddress(*caller.socket.getsockname())
     caller.socket.close()
     with HubBus(hub, "right"):
         pass

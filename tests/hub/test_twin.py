@@ -5,19 +5,19 @@ import canopen
 import pytest
 
 from canopen_twins.bus.hub.client import HubBus
-from canopen_twins.bus.hub.protocol import Address
+from canopen_twins.bus.hub.protocol import HubAddress
 from canopen_twins.cli import main
 
 from .conftest import EDS, PATIENCE, hub_at, started
 
-canopen.Network.NOTIFIER_CYCLE = 0.01  # disconnecting waits for it
+pytestmark = pytest.mark.usefixtures("quick_to_disconnect")
 
 
 @pytest.fixture
 def master(stack):
     """A canopen master in this process, a TopCon and the hub in two others."""
     _, told = stack.enter_context(started("hub", "--listen", ":0"))
-    address = Address(told["host"], told["port"])
+    address = HubAddress(told["host"], told["port"])
     twin = ("run", "topcon", "-n", "5", "--hub", str(address), "-c", "can7")
     _, ready = stack.enter_context(started(*twin))
     assert ready == {"ready": "topcon", "node_id": 5, "hub": str(address), "channel": "can7"}
@@ -37,8 +37,10 @@ def test_a_master_in_another_process_finds_a_whole_slave(master):
     assert master.nmt.state == "OPERATIONAL"
 
     master.tpdo.read()
+    received = SimpleQueue()
+    master.tpdo[1].add_callback(received.put)
     master.tpdo[1].remote_request()
-    assert master.tpdo[1].wait_for_reception(PATIENCE) is not None
+    assert received.get(timeout=PATIENCE) is master.tpdo[1]
 
     master.sdo["Overvoltage level"].raw = 2000
     master.sdo["Voltage reference"].raw = 3000
@@ -65,7 +67,7 @@ def test_a_hub_for_others_is_told_that_there_is_no_password():
 
 
 def test_a_twin_is_back_when_the_hub_is(stack):
-    with hub_at(Address(port=0)) as address:
+    with hub_at(HubAddress(port=0)) as address:
         _, _ = stack.enter_context(started("run", "topcon", "-n", "5", "--hub", str(address)))
     with hub_at(address), HubBus(address, "vcan0") as bus, canopen.Network(bus) as network:
         network.connect()

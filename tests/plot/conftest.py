@@ -9,7 +9,7 @@ from probe import Probe
 from canopen_twins import devices
 from canopen_twins.device.chart import Band, Chart, Curve, Mood
 from canopen_twins.record.plot import Plot
-from canopen_twins.record.plot.observer import Observer
+from canopen_twins.record.plot.run import Run
 from canopen_twins.scenario import load, play
 
 HEAD = "version: 1\nname: {}\nnode: {{device: meter, node_id: 5}}\nsteps:\n"
@@ -43,12 +43,12 @@ def story(tmp_path) -> Callable[..., object]:
 
 
 @pytest.fixture
-def observed(story) -> Callable[[str], Observer]:
+def observed(story) -> Callable[[str], Run]:
     """Whoever has looked at a meter through some steps."""
 
     def observed(steps):
         observers = []
-        play(story(steps), observers=[lambda *run: observers.append(Observer(*run))])
+        play(story(steps), observers=[lambda *run: observers.append(Run(*run))])
         return observers[0]
 
     return observed

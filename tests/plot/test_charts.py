@@ -31,12 +31,13 @@ def test_every_curve_can_be_read_at_any_time(bench):
         assert chart.band is None or chart.band().label
 
 
-def test_a_curve_follows_its_device_over_a_power_cycle():
+def test_a_chart_is_of_the_model_that_a_power_cycle_has_made():
     bench = Bench("topcon", load="open")
-    voltage, *_ = bench.twin.node.device.chart.curves
+    bench.sdo["Voltage reference"].raw = 1000
     bench.power_off()
     bench.power_on()
     bench.sdo["Voltage reference"].raw = 2000
+    voltage, *_ = bench.twin.node.device.chart.curves
     assert voltage.wanted() == 200.0
 
 

@@ -1,8 +1,8 @@
 from hypothesis import given
 from hypothesis.strategies import floats, lists, text, tuples
 
+from canopen_twins.record.plot.figure import label, rows
 from canopen_twins.record.plot.look import AXIS, MOST_ROWS
-from canopen_twins.record.plot.panels import label, rows
 
 PLACES = floats(0, AXIS)
 BARS = lists(tuples(text("abc", min_size=1, max_size=40), PLACES, PLACES))

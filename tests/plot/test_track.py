@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis.strategies import floats, lists, none, one_of
 
 from canopen_twins.device.chart import Band, Mood
-from canopen_twins.record.plot.run import MOST, Track, extremes, worst
+from canopen_twins.record.plot.track import MOST, Span, Track, extremes, joined, worst
 
 
 def track_of(values, thin=extremes, period=0.001):
@@ -73,3 +73,9 @@ def test_of_many_states_the_worst_is_seen():
     assert len(points) <= MOST
     assert bad in [point.value for point in points]
     assert points[-1].value == states[-1]
+
+
+def test_times_that_meet_or_overlap_are_one():
+    spans = [Span(0, 1), Span(1, 3), Span(2, 2.5), Span(4, 4), Span(4, 5)]
+    assert joined(spans) == [(0, 3), (4, 5)]
+    assert joined([]) == []

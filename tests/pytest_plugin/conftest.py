@@ -2,14 +2,12 @@ from textwrap import dedent
 
 import pytest
 
-import canopen_twins.bench.simulated_time
-
 # what a run inside this process imports first, it would forget at its end, but for what packages
 # have as attributes: two modules of one name
-import canopen_twins.cli.commands.scenarios
+import canopen_twins.cli.check
 import canopen_twins.live.twin
-import canopen_twins.scenario.bench
-import canopen_twins.scenario.junit  # noqa: F401
+import canopen_twins.scenario.play
+import canopen_twins.scenario.verdict  # noqa: F401
 
 HEAD = "version: 1\nname: {name}\nnode: {{device: topcon, node_id: 5}}\nsteps:\n"
 

@@ -7,10 +7,9 @@ REAL_TIME = """
     import canopen
     import pytest
 
-    canopen.Network.NOTIFIER_CYCLE = 0.01
-
     @pytest.fixture
-    def master(canopen_device):
+    def master(canopen_device, monkeypatch):
+        monkeypatch.setattr(canopen.Network, "NOTIFIER_CYCLE", 0.01)
         served = canopen_device("topcon", node_id=5, load="resistor 4")
         with canopen.Network().connect(**served.bus) as network:
             from canopen_twins.slave.dictionary import dictionary
@@ -111,6 +110,8 @@ def test_a_served_device_answers_a_master_in_real_time(run):
         served, node = master
         served.inject("lasting_error", number=0x23)
         assert node.sdo["Error Register"].raw == 0x03
+        assert (served.state, served.report["state"]) == ("PRE-OPERATIONAL", "ERROR")
+        assert served.values("Error Register") == {"Error Register": 0x03}
         served.clear("lasting_error")
         node.sdo["Run command"].raw = 2
         assert node.sdo["Error Register"].raw == 0x00
@@ -122,8 +123,10 @@ def test_a_served_device_answers_a_master_in_real_time(run):
         booted = Event()
         node.network.subscribe(0x705, lambda *_: booted.set())
         served.power_off()
-        served.power_on()
+        served.power_on(load="resistor 8")
         assert booted.wait(5)
+        with pytest.raises(ValueError, match="the power is on"):
+            served.power_on(load="resistor 4")
     """
     ).assert_outcomes(passed=3)
 

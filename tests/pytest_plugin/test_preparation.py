@@ -2,6 +2,7 @@ import sys
 
 import pytest
 
+from canopen_twins import devices
 from canopen_twins.pytest_plugin import prepare
 
 
@@ -64,4 +65,6 @@ def test_a_list_of_tests_is_made_without(pytester):
 
 def test_a_device_that_is_broken_is_told_to_whoever_asks_for_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "canopen_twins.devices.topcon", None)
-    prepare([{"topcon", "canopen_bench"}])
+    prepare([{"topcon", "canopen_bench"}])  # says nothing: no test may want it
+    with pytest.raises(ImportError, match=r"canopen_twins\.devices\.topcon"):
+        devices.find("topcon")

@@ -8,7 +8,7 @@ from canopen_twins.bus.clock import MICROSECONDS
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Segment
 from canopen_twins.faults import connect
-from canopen_twins.record import Recorded, Side, about, differences, record, reproduce
+from canopen_twins.record import Manifest, Recorded, Side, differences, record, reproduce
 
 FRAMES = [
     "000#0105",
@@ -35,7 +35,7 @@ number = count()
 def test_whatever_comes_from_outside_and_when_the_replay_is_the_same(tmp_path, name, run, rest):
     folder = tmp_path / str(next(number))
     device = devices.create(name, node_id=5)
-    told = about("run", None, {name: device})
+    told = Manifest.of("run", None, {name: device})
     with record(folder, told, None) as observer:
         segment = Segment()
         node = connect(segment, device, name)

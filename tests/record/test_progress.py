@@ -5,7 +5,7 @@ import pytest
 
 from canopen_twins import scenario as replay
 from canopen_twins.cli import main
-from canopen_twins.cli.commands.progress import Line
+from canopen_twins.cli.play import ProgressLine
 
 LONG = """\
 version: 1
@@ -32,14 +32,14 @@ def line():
 
     def run(story, pace):
         seen, wall = Terminal(), [0.0]
-        line = Line(seen, lambda: wall[0])
+        line = ProgressLine(seen, lambda: wall[0])
 
         def tell(now):
             wall[0] = now * pace
             line.tell(now)
 
         replay.play(replay.load(story(LONG)), observers=[line.attach], progress=tell)
-        line.clear()
+        line.close()
         return seen
 
     return run
@@ -60,7 +60,7 @@ def test_a_short_run_writes_nothing(line, story):
     [(StringIO, Terminal, True), (Terminal, Terminal, False), (StringIO, StringIO, False)],
 )
 def test_only_a_terminal_that_shows_nothing_else_has_the_line(monkeypatch, story, out, err, shown):
-    monkeypatch.setattr("canopen_twins.cli.commands.progress.PERIOD", 0.0)
+    monkeypatch.setattr("canopen_twins.cli.play.PERIOD", 0.0)
     monkeypatch.setattr(sys, "stdout", out())
     monkeypatch.setattr(sys, "stderr", err())
     monkeypatch.setattr(sys.stdout, "fileno", lambda: 1, raising=False)

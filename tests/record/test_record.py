@@ -5,7 +5,7 @@ import pytest
 
 from canopen_twins import scenario as replay
 from canopen_twins.files.shipped import scenario_file
-from canopen_twins.record import about, record
+from canopen_twins.record import Manifest, record
 
 from .conftest import STORY
 
@@ -116,7 +116,9 @@ def test_a_run_that_is_cut_short_leaves_a_part(story, tmp_path):
         segment.clock.at(0.3, interrupt)
 
     scenario = replay.load(story())
-    told = about("play", scenario, {name: spec.create() for name, spec in scenario.nodes.items()})
+    told = Manifest.of(
+        "play", scenario, {name: spec.create() for name, spec in scenario.nodes.items()}
+    )
     with pytest.raises(KeyboardInterrupt), record(tmp_path / "record", told, b"") as observer:
         replay.play(scenario, observers=[observer, come])
     assert not (tmp_path / "record").exists()

@@ -5,7 +5,7 @@ from io import StringIO
 import pytest
 
 from canopen_twins.scenario import play
-from canopen_twins.scenario.sdo import Answer, download, upload
+from canopen_twins.scenario.sdo_client import Answer, download, upload
 from canopen_twins.slave.object import Abort
 
 TEXT = "a text in several segments"
@@ -13,10 +13,10 @@ TEXT = "a text in several segments"
 
 def talk(transfer, *answers):
     """What comes of a transfer, and what the client has asked."""
-    asked = [next(transfer).data.hex()]
+    asked = [next(transfer).hex()]
     try:
         for answer in answers:
-            asked.append(transfer.send(bytes.fromhex(answer)).data.hex())
+            asked.append(transfer.send(bytes.fromhex(answer)).hex())
     except StopIteration as end:
         return end.value, asked
     return None, asked

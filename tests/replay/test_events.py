@@ -4,7 +4,7 @@ from probe import Probe
 
 from canopen_twins.bus.segment import Segment
 from canopen_twins.faults import connect
-from canopen_twins.scenario import Event, Player
+from canopen_twins.scenario import Player, PlayerEvent
 
 STORY = """\
 - {at: 1, nmt: start}
@@ -59,7 +59,7 @@ def test_everything_that_is_not_in_the_frames_is_told_at_its_time(story):
 
 def test_a_step_that_is_about_no_node_says_so(story):
     (event,) = [each for each in events_of(story("- {at: 1, send: 111#}\n")) if each.kind == "step"]
-    assert event == Event(1.0, "", "step", {"line": 4, "what": "send"})
+    assert event == PlayerEvent(1.0, "", "step", {"line": 4, "what": "send"})
 
 
 def test_the_same_scenario_tells_the_same_each_time(story):

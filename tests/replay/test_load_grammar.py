@@ -1,22 +1,19 @@
 import pytest
 
-from canopen_twins.scenario.access import Read, Write
-from canopen_twins.scenario.actions import Inject, Send
-from canopen_twins.scenario.expect import Expectation
+from canopen_twins.scenario.actions import Expectation, Inject, Read, Send, Write
 from canopen_twins.scenario.matchers import (
     AnyFrame,
-    Anything,
     Commanded,
+    Condition,
     EmcyLike,
     Entered,
     FrameLike,
     HeartbeatLike,
     Holds,
-    Range,
-    Text,
     Written,
 )
-from canopen_twins.scenario.scenario import After, At, Condition
+from canopen_twins.scenario.scenario import After, At
+from canopen_twins.scenario.values import Anything, Range, Text
 from canopen_twins.slave.service import State
 
 TWO = """\
@@ -91,7 +88,7 @@ def test_a_frame_is_sent_to_nobody_in_particular(read):
 
 
 @pytest.mark.parametrize(
-    ("told", "sign"),
+    ("told", "matcher"),
     [
         ("emcy: any", EmcyLike()),
         ("emcy: {code: 0x2300, detail: 0x23}", EmcyLike(0x2300, None, 0x23)),
@@ -104,14 +101,14 @@ def test_a_frame_is_sent_to_nobody_in_particular(read):
         ("nmt: reset-node", Commanded(0x81)),
     ],
 )
-def test_a_condition_is_a_sign(met, expected, told, sign):
-    assert met(told) == Condition(sign, "left")
-    assert expected(f"{told}, within: 2") == Expectation(sign, 2.0)
-    assert expected(f"never: {{{told}}}, within: 2") == Expectation(sign, 2.0, never=True)
+def test_a_condition_is_a_matcher(met, expected, told, matcher):
+    assert met(told) == Condition(matcher, "left")
+    assert expected(f"{told}, within: 2") == Expectation(matcher, 2.0)
+    assert expected(f"never: {{{told}}}, within: 2") == Expectation(matcher, 2.0, never=True)
 
 
 @pytest.mark.parametrize(
-    ("kind", "sign", "told", "wanted"),
+    ("key", "kind", "told", "wanted"),
     [
         ("value", Holds, "Byte: {min: 4}", Range(4)),
         ("value", Holds, "Text: abc", Text("abc")),
@@ -119,10 +116,10 @@ def test_a_condition_is_a_sign(met, expected, told, sign):
         ("write", Written, "0x2F00: 0x10", Range(16, 16, True)),
     ],
 )
-def test_a_condition_is_about_objects(met, kind, sign, told, wanted):
-    what = met(f"{kind}: {{{told}}}").what
-    assert type(what) is sign
-    assert [each for _, each in what.wanted] == [wanted]
+def test_a_condition_is_about_objects(met, key, kind, told, wanted):
+    matcher = met(f"{key}: {{{told}}}").matcher
+    assert type(matcher) is kind
+    assert [each for _, each in matcher.wanted] == [wanted]
 
 
 def test_a_condition_counts_and_may_be_about_another_node(met):

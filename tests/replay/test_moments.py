@@ -228,3 +228,19 @@ def test_a_run_is_over_after_a_day(played):
         "ERROR 86400 the run ended before it was decided",
         "ERROR 86400 the run ended before it was decided",
     ]
+
+
+def test_a_state_is_entered_once_however_many_wait_for_states_of_the_node(played):
+    frames, outcomes = played(
+        """\
+        - {at: 0, expect: {state: stopped, within: 9}}
+        - {when: {state: stopped, nth: 2}, send: 111#}
+        - {at: 1, nmt: stop}
+        - {at: 2, nmt: start}
+        - {at: 3, nmt: stop}
+        - {at: 3.5, expect: {state: initialising, within: 1}}
+        - {at: 4, nmt: start}
+        """
+    )
+    assert "3 111#" in frames
+    assert outcomes == ["PASS 1 stopped", "FAIL 4.5 only operational"]

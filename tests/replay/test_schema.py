@@ -1,5 +1,8 @@
 import json
 import re
+from contextlib import redirect_stdout
+from functools import cache
+from io import StringIO
 from pathlib import Path
 
 import pytest
@@ -7,7 +10,7 @@ import yaml
 from jsonschema import Draft202012Validator
 
 from canopen_twins.cli import main
-from canopen_twins.files.yaml_nodes import compose, scalar
+from canopen_twins.files.document import compose, scalar
 from canopen_twins.scenario import ScenarioError
 
 ROOT = Path(__file__).parents[2]
@@ -15,24 +18,29 @@ SHIPPED = sorted(ROOT.glob("scenarios/*.yaml"))
 PAGES = {"scenario": "scenarios.md", "bench": "bench-files.md"}
 
 
-@pytest.fixture
-def schema(capsys):
+@pytest.fixture(scope="module")
+def schema():
     """What the command prints."""
 
+    @cache
     def schema(kind="scenario"):
-        assert main(["schema", kind]) == 0
-        return json.loads(capsys.readouterr().out)
+        with redirect_stdout(StringIO()) as out:
+            assert main(["schema", kind]) == 0
+        return json.loads(out.getvalue())
 
     return schema
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def objections(schema):
     """What a schema has against a text."""
 
+    @cache
+    def checks(kind):
+        return Draft202012Validator(schema(kind))
+
     def objections(text, kind="scenario"):
-        checks = Draft202012Validator(schema(kind))
-        return [error.message for error in checks.iter_errors(plain(compose(text)))]
+        return [error.message for error in checks(kind).iter_errors(plain(compose(text)))]
 
     return objections
 

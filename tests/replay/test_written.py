@@ -9,7 +9,7 @@ from probe import Probe
 
 from canopen_twins import Bench
 from canopen_twins.scenario import Player
-from canopen_twins.scenario.player.downloads import Downloaded, Downloads
+from canopen_twins.scenario.bus_events import Downloaded, Downloads
 
 
 @pytest.mark.parametrize(

@@ -109,7 +109,9 @@ def test_sync_does_not_come_on_an_identifier_of_another_service(bench, identifie
 @pytest.mark.spec("T-111")
 @pytest.mark.parametrize("identifier", UNRESTRICTED)
 def test_sync_comes_on_any_other_identifier(bench, identifier):
-    configure(bench, write(SYNC, identifier))
+    configure(bench, write(SYNC, identifier), "605#2F00180201000000")  # TPDO 1 with every SYNC
+    bench.send("000#0105")
+    assert "185#" in [frame[:4] for frame in bench.send(f"{identifier:03X}#")]
 
 
 @pytest.mark.spec("T-019", "T-111")

@@ -161,6 +161,14 @@ def test_activating_a_bit_timing_keeps_the_node_off_the_bus_for_twice_the_delay(
     assert bench.send("605#4000100000000000") == ["585#4300100000000000"]
 
 
+def test_an_answer_that_is_late_is_lost_while_the_node_is_off_the_bus(bench):
+    bench.send(CONFIGURE)
+    bench.inject("sdo_late", seconds=0.05)
+    assert bench.send("605#4000100000000000") == []
+    bench.send("7E5#1564000000000000")
+    assert bench.run(0.3) == []
+
+
 def test_power_ends_the_silence_of_a_new_bit_timing(bench):
     bench.send(CONFIGURE)
     bench.send("7E5#15FFFF0000000000")

@@ -5,7 +5,9 @@ import pytest
 import yaml
 
 from canopen_twins import Bench
-from canopen_twins.devices.topcon.model import OutputStage, UnitType, parse_load
+from canopen_twins.devices.topcon.model.loads import parse_load
+from canopen_twins.devices.topcon.model.stage import OutputStage
+from canopen_twins.devices.topcon.model.unit import UnitType
 from canopen_twins.devices.topcon.units import read_unit_types
 from canopen_twins.files.shipped import od_file
 

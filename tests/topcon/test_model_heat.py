@@ -2,7 +2,7 @@ from math import inf, log
 
 import pytest
 
-from canopen_twins.devices.topcon.model.plant import HeatSink, I2tStore
+from canopen_twins.devices.topcon.model.thermal import HeatSink, I2tStore
 
 FULL = (4000, 4000, 4000, 0)
 
@@ -48,10 +48,10 @@ def test_rest_is_the_time_to_the_i2t_warning_and_trip(running):
     limits = {"i2t_current": 50.0, "i2t_limit": 1e6}
     stage = running(load="resistor 4", parts=FULL, figures=limits)
     rate = stage.current**2 - 50**2
-    assert stage.rest == pytest.approx((0.5e6 - stage.i2t) / rate)
+    assert stage.rest == pytest.approx((0.5e6 - stage.store.charge) / rate)
     stage.step(stage.rest + 0.001)
     assert stage.warning
-    assert stage.rest == pytest.approx((1e6 - stage.i2t) / rate)
+    assert stage.rest == pytest.approx((1e6 - stage.store.charge) / rate)
     stage.step(stage.rest + 0.001)
     assert stage.errors == (0x20,)
 

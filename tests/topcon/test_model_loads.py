@@ -1,6 +1,6 @@
 import pytest
 
-from canopen_twins.devices.topcon.model import (
+from canopen_twins.devices.topcon.model.loads import (
     Battery,
     CurrentSink,
     Inductor,
@@ -29,7 +29,6 @@ TEXTS = {
 @pytest.mark.parametrize(("text", "load"), TEXTS.items())
 def test_a_load_is_its_text(text, load):
     assert parse_load(text) == load
-    assert str(load) == text
 
 
 @pytest.mark.parametrize(

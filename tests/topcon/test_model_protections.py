@@ -1,6 +1,7 @@
 import pytest
 
-from canopen_twins.devices.topcon.model import Battery, Inductor, Resistor, Short, State
+from canopen_twins.devices.topcon.model.loads import Battery, Resistor, Short
+from canopen_twins.devices.topcon.model.states import StageState
 
 CV = (2000, 4000, 4000, 0)
 
@@ -125,7 +126,7 @@ def test_the_current_limit_at_rated_current_never_fills_the_i2t_store(running):
     stage = running(load="resistor 3", parts=(4000, 4000, 4000, 0))
     assert stage.current == pytest.approx(100)
     stage.step(3600.0)
-    assert stage.i2t < 1e-3 * stage.unit.i2t_limit
+    assert stage.store.charge < 1e-3 * stage.unit.i2t_limit
     assert stage.errors == ()
 
 
@@ -155,7 +156,7 @@ def test_a_silent_slave_takes_the_system_down(power_on, connection, count):
     stage.slave_silent = False
     stage.reset()
     assert stage.errors == ()
-    assert stage.state is State.READY
+    assert stage.state is StageState.READY
 
 
 @pytest.mark.spec("T-190", "T-191")
@@ -170,7 +171,7 @@ def test_a_trip_turns_the_converter_off_in_the_same_tick(running):
 
 
 def test_a_trip_leaves_the_set_values_as_they_were(running):
-    stage = running(load=str(Inductor(4.0, 0.01)), parts=CV)
+    stage = running(load="inductor 4 0.01", parts=CV)
     stage.trip(0x23)
     stage.step(1.0)
     assert (stage.voltage_reference, stage.current_reference) == (200, 100)
@@ -180,9 +181,9 @@ def test_errors_are_listed_in_the_order_they_came(running):
     stage = running(parts=CV)
     stage.interlock_closed = False
     stage.step(0.001)
-    stage.supply_5v = 0.0
+    stage.supplies = {"5V": 0.0}
     stage.step(0.001)
-    stage.supply_24v = 0.0
+    stage.supplies = {"5V": 0.0, "24V": 0.0}
     stage.mains = 300.0
     stage.step(1.0)
     assert stage.errors == (0xF2, 0x43, 0x4D, 0x4B, 0x49)

@@ -3,14 +3,14 @@ from math import sqrt
 
 import pytest
 
-from canopen_twins.devices.topcon.model import (
+from canopen_twins.devices.topcon.model.loads import (
     Battery,
     CurrentSink,
-    Mode,
     PowerSink,
     Resistor,
     Short,
 )
+from canopen_twins.devices.topcon.model.states import Mode
 
 CV, CC, CP = Mode.VOLTAGE, Mode.CURRENT, Mode.POWER
 A, B, EXAMPLE = "TCP-32-400", "TCP-16-100", "EXAMPLE-100-800-32"

@@ -2,7 +2,9 @@ from math import inf
 
 import pytest
 
-from canopen_twins.devices.topcon.model import OutputStage, Short, State
+from canopen_twins.devices.topcon.model.loads import Short
+from canopen_twins.devices.topcon.model.stage import OutputStage
+from canopen_twins.devices.topcon.model.states import StageState
 
 FULL = (4000, 4000, 4000, 0)
 CV = (2000, 4000, 4000, 0)
@@ -32,7 +34,7 @@ class Counting(OutputStage):
 
 
 def readings(stage):
-    return stage.voltage, stage.current, stage.power, stage.temperature, stage.i2t
+    return stage.voltage, stage.current, stage.power, stage.temperature, stage.store.charge
 
 
 @PLACES
@@ -85,7 +87,7 @@ def test_the_steady_state_is_reached_exactly(running):
         ("load", None),
         ("ambient", 30.0),
         ("mains", 390.0),
-        ("supply_24v", 23.0),
+        ("supplies", {"24V": 23.0}),
         ("interlock_closed", False),
         ("voltage_reference", 150.0),
         ("current_reference", 50.0),
@@ -116,7 +118,7 @@ def test_a_stage_at_rest_answers_a_trip_at_its_next_step(running, cause):
     for name, value in cause.items():
         setattr(stage, name, value)
     stage.step(1.0)
-    assert stage.state is State.ERROR
+    assert stage.state is StageState.ERROR
     assert stage.voltage == pytest.approx(0.0, abs=1e-6)
 
 

@@ -3,16 +3,16 @@ from math import inf
 
 import pytest
 
-from canopen_twins.devices.topcon.model import (
+from canopen_twins.devices.topcon.model.circuit import Law, solve
+from canopen_twins.devices.topcon.model.loads import (
     Battery,
     CurrentSink,
     Inductor,
-    Mode,
     Open,
     Resistor,
     Short,
 )
-from canopen_twins.devices.topcon.model.circuit import Law, solve
+from canopen_twins.devices.topcon.model.states import Mode
 
 BLEEDER = 1 / 2000
 LOADS = [

@@ -5,7 +5,7 @@ CV = (2000, 4000, 4000, 0)
 
 
 def readings(stage):
-    return stage.voltage, stage.current, stage.power, stage.temperature, stage.i2t
+    return stage.voltage, stage.current, stage.power, stage.temperature, stage.store.charge
 
 
 def test_what_is_less_than_a_tick_waits_for_the_next_step(power_on):

@@ -2,7 +2,9 @@
 
 import pytest
 
-from canopen_twins.devices.topcon.model import Mode, OutputStage, Short, State
+from canopen_twins.devices.topcon.model.loads import Short
+from canopen_twins.devices.topcon.model.stage import OutputStage
+from canopen_twins.devices.topcon.model.states import Mode, StageState
 
 FULL = (4000, 4000, 4000, 0)
 
@@ -45,7 +47,7 @@ def test_overvoltage_trips_on_the_rising_edge(power_on, kind, after, peak):
     stage.run()
     assert time_until(stage, lambda it: it.errors) == pytest.approx(after / 1000)
     assert stage.errors == (0x30,)
-    assert stage.state is State.ERROR
+    assert stage.state is StageState.ERROR
     assert stage.voltage == pytest.approx(peak, abs=0.1)
     assert not stage.running
 

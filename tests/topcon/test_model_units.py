@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import pytest
 
-from canopen_twins.devices.topcon.model import OutputStage
+from canopen_twins.devices.topcon.model.stage import OutputStage
 
 A = "TCP-32-400"
 
@@ -91,4 +91,6 @@ def test_a_parallel_system_fills_its_i2t_store_as_fast_as_one_unit(running):
     full = (4000, 4000, 4000, 0)
     one = running(load="resistor 4", parts=full, figures=limits)
     two = running(load="resistor 2", parts=full, figures=limits, units=2)
-    assert two.i2t / two.unit.i2t_limit == pytest.approx(one.i2t / one.unit.i2t_limit)
+    assert two.store.charge / two.unit.i2t_limit == pytest.approx(
+        one.store.charge / one.unit.i2t_limit
+    )

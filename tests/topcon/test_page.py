@@ -3,9 +3,8 @@ from pathlib import Path
 
 import pytest
 
-from canopen_twins.devices.topcon.model import parse_load
-from canopen_twins.devices.topcon.model.loads import LOADS
-from canopen_twins.devices.topcon.model.modes import TRANSITIONS
+from canopen_twins.devices.topcon.model.loads import LOADS, parse_load
+from canopen_twins.devices.topcon.model.states import TRANSITIONS
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "devices" / "topcon.md").read_text("utf-8")
@@ -17,11 +16,6 @@ PINS = {2: "CAN-L", 3: "CAN GND", 5: "shield", 6: "GND (CAN GND)", 7: "CAN-H"}
 def test_the_pins_of_the_plug_are_told(pin):
     assert f"| {pin} | {PINS.get(pin, 'not assigned')} |" in PAGE
     assert "connected 1:1" in PAGE
-
-
-@pytest.mark.spec("T-090")
-def test_the_ports_are_told():
-    assert "RS-232" in PAGE
 
 
 def test_the_picture_of_the_states_is_that_of_the_table():

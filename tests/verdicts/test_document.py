@@ -1,11 +1,11 @@
 import json
 
 from canopen_twins.scenario import Verdict
-from canopen_twins.scenario.junit import document
+from canopen_twins.scenario.verdict import as_json
 
 
 def test_it_has_everything_a_verdict_has(verdict):
-    told = json.loads(document([verdict]))
+    told = json.loads(as_json([verdict]))
     assert told.keys() == {"version", "verdict", "scenarios"}
     assert (told["version"], told["verdict"]) == (1, "ERROR")
     (scenario,) = told["scenarios"]
@@ -31,9 +31,9 @@ def test_it_has_everything_a_verdict_has(verdict):
 
 def test_its_verdict_is_the_worst_of_several(verdict):
     good = Verdict("good.yaml", ())
-    assert json.loads(document([good]))["verdict"] == "PASS"
-    assert json.loads(document([good, verdict, good]))["verdict"] == "ERROR"
+    assert json.loads(as_json([good]))["verdict"] == "PASS"
+    assert json.loads(as_json([good, verdict, good]))["verdict"] == "ERROR"
 
 
 def test_it_is_one_line(verdict):
-    assert "\n" not in document([verdict])
+    assert "\n" not in as_json([verdict])

@@ -4,7 +4,7 @@ from xml.etree import ElementTree
 import pytest
 
 from canopen_twins.scenario import Kind, Outcome, Verdict
-from canopen_twins.scenario.junit import junit
+from canopen_twins.scenario.verdict import as_junit
 
 COUNTS = {"tests", "failures", "errors", "time", "name"}
 ATTRIBUTES = {  # those that every description of the format has in common
@@ -26,7 +26,7 @@ CHILDREN = {
 
 
 def told(*verdicts):
-    return ElementTree.fromstring(junit(verdicts))
+    return ElementTree.fromstring(as_junit(verdicts))
 
 
 def test_it_has_the_elements_and_attributes_of_the_format(verdict):
@@ -92,7 +92,7 @@ def test_a_scenario_that_expects_nothing_has_no_case():
 def test_any_text_makes_a_document(verdict, text):
     outcome = Outcome(Kind.FAIL, 0.0, 1, text, text, text, text)
     odd = replace(verdict, file=text, name=text, outcomes=(outcome,))
-    (suite,) = ElementTree.fromstring(junit([odd]).encode("utf-8"))
+    (suite,) = ElementTree.fromstring(as_junit([odd]).encode("utf-8"))
     readable = suite.get("name")
     assert suite.find("testcase").get("classname") == readable
     assert suite.find(".//failure").text == f"{readable}\n{readable}"

@@ -22,9 +22,9 @@ def charger() -> Bench:
 def reasons() -> Callable[..., list[str]]:
     """Why the twin of a bench answered as it did to some frames, sent one after the other."""
 
-    def reasons(bench, *frames, wanted=""):
+    def reasons(bench, *frames, expected=None):
         for frame in frames:
             bench.send(frame)
-        return why(bench.twin.node, bench.trace[-20:], wanted=wanted)
+        return why(bench.twin.node, bench.trace[-20:], expected=expected)
 
     return reasons

@@ -1,5 +1,9 @@
 import pytest
 
+from canopen_twins.diagnosis.expected import ExpectedEmcy, ExpectedFrame, ExpectedHeartbeat
+from canopen_twins.scenario.actions import Expectation
+from canopen_twins.scenario.matchers import FrameLike
+
 PRE_OPERATIONAL = "the node was pre-operational, without PDO (manual 3.1, Tab. 7)"
 REFUSED = "205#8813 RPDO1 refused: 5000 is above 4000, Voltage reference (manual 7.3.5)"
 COB_ID_2 = "Transmit PDO 2 Communication Parameter.COB-ID TPDO2 (manual 7.2.15)"
@@ -98,79 +102,80 @@ def test_an_emergency_that_says_nothing_more_is_left_out(bench, reasons):
     assert reasons(bench) == []
 
 
-WANTED = [
-    ("185#xxxxxxxxxxxxxxxx within 1 s", "TPDO1: it comes on a remote request, "),
-    ("285#* within 1 s", f"TPDO2: it is off, bit 31 of {COB_ID_2} is set"),
-    ("705#05 within 1 s", "there is no heartbeat: Producer Heartbeat Time (manual 7.2.10) is 0"),
-    ("heartbeat operational within 1 s", "there is no heartbeat: "),
-    ("EMCY 2300/xx/xx within 1 s", "no error is active (manual 3.3)"),
-    ("085#0023* within 1 s", "no error is active (manual 3.3)"),
+EXPECTED = [
+    (ExpectedFrame(0x185), "TPDO1: it comes on a remote request, "),
+    (ExpectedFrame(0x285), f"TPDO2: it is off, bit 31 of {COB_ID_2} is set"),
+    (ExpectedFrame(0x705), "there is no heartbeat: Producer Heartbeat Time (manual 7.2.10) is 0"),
+    (ExpectedHeartbeat(), "there is no heartbeat: "),
+    (ExpectedEmcy(), "no error is active (manual 3.3)"),
+    (ExpectedFrame(0x085), "no error is active (manual 3.3)"),
 ]
 
 
-@pytest.mark.parametrize(("wanted", "reason"), WANTED)
-def test_what_was_waited_for_in_vain_has_a_reason(operational, reasons, wanted, reason):
-    (told,) = reasons(operational, wanted=wanted)
+@pytest.mark.parametrize(("expected", "reason"), EXPECTED)
+def test_what_was_waited_for_in_vain_has_a_reason(operational, reasons, expected, reason):
+    (told,) = reasons(operational, expected=expected)
     assert told.startswith(reason)
 
 
-@pytest.mark.parametrize("wanted", ["Voltage reference 5 at once", "write x to be refused", "123#"])
-def test_what_nobody_can_tell_anything_about_is_left_alone(operational, reasons, wanted):
-    assert reasons(operational, wanted=wanted) == []
+@pytest.mark.parametrize("expected", [None, ExpectedFrame(0x123)])
+def test_what_nobody_can_tell_anything_about_is_left_alone(operational, reasons, expected):
+    assert reasons(operational, expected=expected) == []
 
 
 def test_a_tpdo_waits_for_operational_for_sync_or_for_its_mapping(topcon, reasons):
-    (told,) = reasons(topcon, wanted="185#* within 1 s")
+    (told,) = reasons(topcon, expected=ExpectedFrame(0x185))
     assert told == "TPDO1: the node is pre-operational, without PDO (manual 3.1, Tab. 7)"
     topcon.send("000#0105")
-    (told,) = reasons(topcon, "605#2F00180201000000", wanted="185#* within 1 s")
+    (told,) = reasons(topcon, "605#2F00180201000000", expected=ExpectedFrame(0x185))
     assert told.startswith("TPDO1: it comes with a SYNC, ")
-    (told,) = reasons(topcon, "605#2301180185020000", wanted="285#* within 1 s")
+    (told,) = reasons(topcon, "605#2301180185020000", expected=ExpectedFrame(0x285))
     assert told.startswith("TPDO2: nothing is mapped in ")
 
 
 def test_a_tpdo_with_moments_of_its_own_says_so(charger, reasons):
-    (told,) = reasons(charger, "000#0109", wanted="189#* within 1 s")
+    (told,) = reasons(charger, "000#0109", expected=ExpectedFrame(0x189))
     assert told == "TPDO1: it has its own moments (manual, PDO Transfer)"
 
 
 def test_an_error_is_told_once_and_not_in_stopped(topcon, reasons):
     topcon.inject("error", number=0x30)
-    told = reasons(topcon, wanted="EMCY any")[-1]
+    told = reasons(topcon, expected=ExpectedEmcy())[-1]
     assert told.startswith("active, and told when they came: 3300h ")
     topcon.send("000#0205")
-    assert reasons(topcon, wanted="EMCY any")[-1] == (
+    assert reasons(topcon, expected=ExpectedEmcy())[-1] == (
         "no EMCY: the node is stopped (manual 3.1, Tab. 7)"
     )
 
 
 def test_emergencies_may_be_switched_off(bench, reasons):
     bench.send("605#2314100085000080")
-    told = reasons(bench, wanted="EMCY any")
+    told = reasons(bench, expected=ExpectedEmcy())
     assert told[-1].startswith("no EMCY: bit 31 of ")
 
 
 def test_a_heartbeat_that_runs_is_not_missing(topcon, reasons):
-    assert reasons(topcon, "605#2B171000E8030000", wanted="heartbeat stopped within 1 s") == []
+    assert reasons(topcon, "605#2B171000E8030000", expected=ExpectedHeartbeat()) == []
 
 
 @pytest.mark.parametrize(
-    ("fault", "parameters", "wanted", "frame"),
+    ("fault", "parameters", "expected", "frame"),
     [
-        ("heartbeat_stopped", {}, "heartbeat operational within 1 s", "705#05"),
-        ("pdo_missing", {}, "185#* within 1 s", "185#0000000000000000"),
-        ("emcy_lost", {}, "EMCY any", "085#0033053000000000"),
+        ("heartbeat_stopped", {}, ExpectedHeartbeat(), "705#05"),
+        ("pdo_missing", {}, ExpectedFrame(0x185), "185#0000000000000000"),
+        ("emcy_lost", {}, ExpectedEmcy(), "085#0033053000000000"),
     ],
 )
-def test_what_a_fault_has_struck_was_sent(operational, reasons, fault, parameters, wanted, frame):
+def test_what_a_fault_has_struck_was_sent(operational, reasons, fault, parameters, expected, frame):
     operational.send("605#2B171000E8030000")
     operational.inject(fault, **parameters)
     operational.send("185#R")
     operational.run(1.0)
     operational.inject("error", number=0x30)
     operational.run(0.5)
-    assert reasons(operational, wanted=wanted)[-1] == f"{frame} was sent: the fault {fault}"
+    assert reasons(operational, expected=expected)[-1] == f"{frame} was sent: the fault {fault}"
 
 
 def test_what_must_not_come_needs_no_reason_for_staying_away(operational, reasons):
-    assert reasons(operational, wanted="no 185#* for 1 s") == []
+    never = Expectation(FrameLike("185#*"), within=1.0, never=True)
+    assert reasons(operational, expected=never.expected) == []

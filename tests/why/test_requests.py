@@ -34,13 +34,13 @@ def test_a_refusal_is_told_as_the_device_means_it_with_its_object(
     assert told.startswith(f"{request_} refused: {reason}")
 
 
-def test_what_is_accepted_leaves_nothing_in_the_diary(topcon, reasons):
+def test_what_is_accepted_leaves_nothing_in_the_event_log(topcon, reasons):
     assert reasons(topcon, READ, "605#2B10200064000000", RUN, "000#0105", "205#6400", "185#R") == []
-    diary = topcon.twin.node.wire.diary
-    assert (len(diary.refusals), len(diary.strikes)) == (0, 0)
+    events = topcon.twin.node.wire.events
+    assert (len(events.refusals), len(events.strikes)) == (0, 0)
 
 
-def test_the_diary_is_bounded(topcon):
+def test_the_event_log_is_bounded(topcon):
     for _ in range(KEPT + 1):
         topcon.send("605#4012100000000000")
         topcon.send("000#0205")
@@ -48,8 +48,8 @@ def test_the_diary_is_bounded(topcon):
     topcon.inject("sdo_silence")
     for _ in range(KEPT + 1):
         topcon.send(READ)
-    diary = topcon.twin.node.wire.diary
-    assert (len(diary.refusals), len(diary.strikes)) == (KEPT, KEPT)
+    events = topcon.twin.node.wire.events
+    assert (len(events.refusals), len(events.strikes)) == (KEPT, KEPT)
 
 
 def test_what_is_too_long_ago_is_not_guessed(topcon, reasons):

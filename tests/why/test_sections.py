@@ -9,7 +9,7 @@ from canopen.objectdictionary import ODVariable
 from canopen_twins import Bench, devices
 from canopen_twins.devices.charger.messages import catalogue
 from canopen_twins.devices.gateway.messages import LABELS
-from canopen_twins.devices.topcon.messages import TABLE
+from canopen_twins.devices.topcon.messages import table
 from canopen_twins.diagnosis.sections import sections
 from canopen_twins.diagnosis.why import Sections
 from canopen_twins.files.shipped import od_file
@@ -19,7 +19,7 @@ EDS_FILES = sorted(path.name for path in OD.glob("*.eds"))
 TABLES = sorted(OD.glob("*_sections.csv"))
 SERVICES = ("nmt", "states", "sdo", "emcy", "heartbeat", "pdo", "silence")
 EMCY_CODES = {
-    "topcon": {code for code, _ in TABLE},
+    "topcon": {code for code, _ in table()},
     "charger": {message.emcy for message in catalogue("")},
     "gateway": set(LABELS),
 }
@@ -27,7 +27,8 @@ EMCY_CODES = {
 
 def shipped():
     """The devices of this project; those of others may have no table."""
-    return [name for name in devices.names() if devices.find(name).__module__.startswith("simul")]
+    ours = devices.__name__
+    return [name for name in devices.names() if devices.find(name).__module__.startswith(ours)]
 
 
 def addresses(od):

@@ -6,13 +6,13 @@ from typing import Any, Self
 import canopen
 
 from canopen_twins import devices
-from canopen_twins.bench.twin import ORDERS, Twin
+from canopen_twins.bench.twin import ORDERS, QUESTIONS, Twin
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Record, Segment
 from canopen_twins.bus.wire import PeriodicFrame
 from canopen_twins.device.device import Device
 from canopen_twins.device.node import Node
-from canopen_twins.faults import connect
+from canopen_twins.errors import UserError
 
 
 class BenchTwin(Twin):
@@ -42,11 +42,14 @@ class BenchTwin(Twin):
         """As it is called on the bench."""
         return self.node.wire.name
 
-    def order(self, word: str, *arguments: Any) -> Any:
+    def order(self, word: str, *arguments: Any) -> None:
         """At once: a bench stands still between two calls."""
-        outcome = ORDERS[word](self.node, *arguments)
+        ORDERS[word](self.node, *arguments)
         self.segment.deliver()
-        return outcome
+
+    def ask(self, word: str, *arguments: Any) -> Any:
+        """At once, too."""
+        return QUESTIONS[word](self.node, *arguments)
 
     @property
     def device(self) -> Any:
@@ -88,6 +91,12 @@ class Bench(BenchTwin):
     def __init__(self, device: str | Mapping[str, Device], **settings: object) -> None:
         if isinstance(device, str):
             device = {device: devices.create(device, **settings)}
+        elif settings:
+            raise UserError(
+                f"which device of several has {', '.join(settings)}? Give it to that one"
+            )
+        from canopen_twins.faults import connect  # noqa: PLC0415 - who has no bench needs no faults
+
         segment: Segment[Node] = Segment()
         nodes = [connect(segment, each, name) for name, each in device.items()]
         super().__init__(nodes, segment, Master(segment))

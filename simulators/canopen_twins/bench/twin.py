@@ -14,32 +14,40 @@ from canopen_twins.slave.object import Rejected
 class Twin(ABC):
     """What is done and asked here, whoever drives the twin carries out between two frames.
 
-    How an order gets there is all that a kind of twin adds: it is a word of `ORDERS` and what goes
-    with it, so that it can go to another thread or another process.
+    How that gets there is all that a kind of twin adds: it is a word of `ORDERS` or `QUESTIONS` and
+    what goes with it, so that it can go to another thread or another process.
     """
 
     @abstractmethod
-    def order(self, word: str, *arguments: Any) -> Any:
-        """Have one of `ORDERS` carried out; what comes of it.
+    def order(self, word: str, *arguments: Any) -> None:
+        """Have one of `ORDERS` carried out; what it brings about has been sent when this returns.
 
         Raises:
             UserError: as the order does.
         """
 
+    @abstractmethod
+    def ask(self, word: str, *arguments: Any) -> Any:
+        """The answer to one of `QUESTIONS`; nothing is sent.
+
+        Raises:
+            UserError: as the question does.
+        """
+
     @property
     def node_id(self) -> int:
         """The node id in force, or the one to boot with."""
-        return int(self.order("node_id"))
+        return int(self.ask("node_id"))
 
     @property
     def state(self) -> str:
         """The NMT state by the name canopen gives it; INITIALISING while the twin is silent."""
-        return str(self.order("state"))
+        return str(self.ask("state"))
 
     @property
     def report(self) -> Mapping[str, object]:
         """How the model is at this moment, in engineering units."""
-        report: Mapping[str, object] = self.order("report")
+        report: Mapping[str, object] = self.ask("report")
         return report
 
     def values(self, *wanted: str) -> Mapping[str, object]:
@@ -50,7 +58,7 @@ class Twin(ABC):
         Raises:
             UserError: there is no such entry that can be read.
         """
-        values: Mapping[str, object] = self.order("values", wanted)
+        values: Mapping[str, object] = self.ask("values", wanted)
         return values
 
     def inject(self, name: str, **parameters: Any) -> None:
@@ -130,15 +138,19 @@ def _values(node: Node, wanted: Sequence[str]) -> dict[str, object]:
     return values
 
 
-ORDERS: Mapping[str, Callable[..., Any]] = {
+QUESTIONS: Mapping[str, Callable[..., Any]] = {
     "node_id": lambda node: node.node_id,
     "state": lambda node: str(node.state),
     "report": lambda node: dict(node.look().report),
     "values": _values,
+}
+"""What is asked of a node, each with the node first."""
+
+ORDERS: Mapping[str, Callable[..., None]] = {
     "inject": _inject,
     "clear": _clear,
     "set": _set,
     "power_off": Node.power_off,
     "power_on": _power_on,
 }
-"""What is done to a node, and asked of it, by its driver: each takes the node first."""
+"""What is done to a node, each with the node first."""

@@ -3,7 +3,7 @@
 from collections import deque
 from collections.abc import Callable
 from heapq import heappop, heappush
-from itertools import chain, count
+from itertools import count
 from typing import Generic, NamedTuple, Protocol, TypeVar
 
 from canopen_twins.bus.clock import Clock
@@ -143,8 +143,10 @@ class Segment(Generic[AnyEnd]):
                     if node.wire is not sender:
                         node.receive(frame)
             finally:
-                for listener in chain(self.listeners, self.masters):
+                for listener in self.listeners:
                     listener(frame, sender.name)
+                for master in self.masters:
+                    master(frame, sender.name)
         if self._bus is not None:
             self._bus.take(self.outbox)
 

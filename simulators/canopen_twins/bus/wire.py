@@ -1,8 +1,4 @@
-"""What a trace does not tell of a node: why it refused, what struck its frames, when it changed.
-
-It is bounded, and written only where something is out of the ordinary: a frame that is taken or
-answered as usual costs nothing.
-"""
+"""A node's end of a bus: where its frames go out, through which filters, and its event log."""
 
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -15,12 +11,12 @@ import canopen
 from canopen_twins.bus.clock import Timer, Timing
 from canopen_twins.bus.frame import STANDARD_IDS, Frame
 
-KEPT = 64  # notes of a kind
-UNBORN = ""  # the state before the first boot
+KEPT = 64  # entries of a kind
+NOT_BOOTED = ""  # the state before the first boot
 GRAIN = 0.5e-6  # seconds: two times that differ by less are one moment of the clock
 
 
-class Note(NamedTuple):
+class LogEntry(NamedTuple):
     """Something that happened to a node."""
 
     time: float
@@ -32,36 +28,42 @@ class Note(NamedTuple):
     """The object it is about, where the frame does not tell."""
 
 
-class Diary:
-    """Whoever refuses, strikes or changes the state writes; a failure report reads."""
+class EventLog:
+    """What a trace does not tell of a node: why it refused, what struck its frames, its states.
+
+    It is bounded, and written only where something is out of the ordinary: a frame that is taken
+    or answered as usual costs nothing.
+    """
 
     def __init__(self, clock: Timing) -> None:
-        self.refusals: deque[Note] = deque(maxlen=KEPT)
+        self.refusals: deque[LogEntry] = deque(maxlen=KEPT)
         """Why, with the SDO abort or the RPDO."""
-        self.strikes: deque[Note] = deque(maxlen=KEPT)
+        self.strikes: deque[LogEntry] = deque(maxlen=KEPT)
         """Names of faults, with the frames they struck."""
-        self._states: deque[Note] = deque([Note(-inf, "", UNBORN)], maxlen=KEPT)
+        self._states: deque[LogEntry] = deque([LogEntry(-inf, "", NOT_BOOTED)], maxlen=KEPT)
         self._clock = clock
 
-    def refuse(self, frame: object, reason: object, address: tuple[int, int] | None = None) -> None:
+    def add_refusal(
+        self, frame: object, reason: object, address: tuple[int, int] | None = None
+    ) -> None:
         """A value or an access has been refused."""
-        self.refusals.append(Note(self._clock.now, str(frame), str(reason), address))
+        self.refusals.append(LogEntry(self._clock.now, str(frame), str(reason), address))
 
-    def strike(self, frame: object, fault: str) -> None:
+    def add_strike(self, frame: object, fault: str) -> None:
         """A fault has struck a frame."""
-        self.strikes.append(Note(self._clock.now, str(frame), fault))
+        self.strikes.append(LogEntry(self._clock.now, str(frame), fault))
 
-    def enter(self, state: str) -> None:
+    def add_state(self, state: str) -> None:
         """The node has entered an NMT state."""
-        self._states.append(Note(self._clock.now, "", state))
+        self._states.append(LogEntry(self._clock.now, "", state))
 
     def states(self, time: float) -> set[str]:
         """The NMT states the node was in during a moment; empty if it is too long ago."""
-        begun = [note for note in self._states if note.time <= time + GRAIN]
-        earlier = [note for note in begun if note.time < time - GRAIN]
+        begun = [entry for entry in self._states if entry.time <= time + GRAIN]
+        earlier = [entry for entry in begun if entry.time < time - GRAIN]
         during = begun[len(earlier) :]
-        states = {note.words for note in [*earlier[-1:], *during]}
-        return states - {UNBORN} or states  # the moment of a boot is one after it
+        states = {entry.words for entry in [*earlier[-1:], *during]}
+        return states - {NOT_BOOTED} or states  # the moment of a boot is one after it
 
 
 class PeriodicFrame:
@@ -109,22 +111,20 @@ class Wire(canopen.Network):
         super().__init__()
         self.clock = clock
         self.name = name
-        self.shut = False  # off the bus for a while: nothing goes out, nothing comes in
-        self.diary = Diary(clock)
+        self.events = EventLog(clock)
         self.outgoing: list[Filter] = []
         self.incoming: list[Filter] = []
         self.outbox: Outbox = deque() if outbox is None else outbox
 
     def put(self, frame: Frame) -> None:
         """Send a frame."""
-        if self.outgoing and not self.shut:
+        if self.outgoing:
             through(self.outgoing, frame, self._send)
-        elif not self.shut:
+        else:
             self.outbox.append((self, frame))
 
     def _send(self, frame: Frame) -> None:
-        if not self.shut:
-            self.outbox.append((self, frame))
+        self.outbox.append((self, frame))
 
     def send_message(self, can_id: int, data: Sequence[int], remote: bool = False) -> None:
         """What canopen calls to send."""

@@ -1,31 +1,71 @@
 """The command canopen-twin: what is chosen is done, and ends with an exit code.
 
-Exit codes: 0 all is well, 1 an expectation failed (or a bug, with its traceback), 2 wrong input,
-130 interrupted. What a program may read goes to stdout, what people may read to stderr.
+What a program may read goes to stdout, what people may read to stderr. The module of a command is
+imported when the command is chosen, so that --help is there at once.
 """
 
+import argparse
 import logging
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from errno import EDQUOT, EFBIG, ENOSPC
+from functools import partial
+from importlib import import_module
+from importlib.metadata import version
 
-from canopen_twins.cli.exit_codes import INTERRUPTED, NO_READER, WRONG_INPUT
-from canopen_twins.cli.parser import PROGRAM, Command, parser
+from canopen_twins.cli.command import INTERRUPTED, NO_READER, WRONG_INPUT, Parser, add_verbosity
 from canopen_twins.errors import UserError
 
 __all__ = ["main", "parser"]
+
+PROGRAM = "canopen-twin"
+FIRST = "To begin with: canopen-twin play topcon_overvoltage.yaml"
+COMMANDS: Mapping[str, Mapping[str, str]] = {
+    "devices": {
+        "list": "print the devices there are, and the scenarios for each of them",
+        "eds": "print the EDS file of a device, or its DCF with the settings that are given",
+        "objects": "print the object dictionary of a device",
+        "settings": "print what can be chosen with --set, and what is assumed",
+    },
+    "why": {
+        "why": "say what the manual says of an object, and whether it takes a value and why not"
+    },
+    "faults": {"faults": "print what can be injected"},
+    "run": {
+        "run": "run twins on a CAN bus in real time, until they are stopped or a scenario is over"
+    },
+    "hub": {
+        "hub": "run a hub: buses that every process of this machine can join, with no vcan "
+        "and no root"
+    },
+    "play": {
+        "play": "play scenarios in simulated time: a trace in candump format, then the verdict"
+    },
+    "check": {
+        "check": "say what is wrong with scenarios, without playing them",
+        "schema": "print the JSON Schema of scenarios or of bench files, for editors",
+    },
+    "replay": {
+        "replay": "live through a record again: its frames in candump format, "
+        "1 if they are others now",
+        "diff": "explain the first difference of two records or trace files, 1 if there is one",
+    },
+    "vcan": {
+        "vcan": "run a command where there is a real vcan0: here, or in a user-mode Linux guest"
+    },
+}
+"""By module; its `add_NAME` fills the parser, and sets `command`: from options to an exit code."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command and return the exit code; a bug comes out as its exception."""
     _open_streams()
-    options = parser().parse_args(arguments)
-    _log(options.verbose)
-    command: Command = options.command
     try:
-        code = command(options)
+        options = parser().parse_args(arguments)
+        _log(options.verbose)
+        code: int = options.command(options)
         sys.stdout.flush()
     except UserError as error:
         return _refused(str(error))
@@ -40,6 +80,34 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _end_output()
         return _refused(f"the output cannot be written: {failure.strerror}")
     return code
+
+
+def parser() -> argparse.ArgumentParser:
+    """Everything that can be said; `command` is what was chosen."""
+    text = "Digital twins of CANopen slaves."
+    top = argparse.ArgumentParser(prog=PROGRAM, description=text, epilog=FIRST)
+    top.add_argument("--version", action=Version, nargs=0, help="print the version")
+    add_verbosity(top, default=0)
+    commands = top.add_subparsers(metavar="COMMAND", required=True, parser_class=Parser)
+    for module, told in COMMANDS.items():
+        for name, text in told.items():
+            command = commands.add_parser(name, help=text, description=text)
+            command.complete = partial(_complete, name, module)
+    return top
+
+
+class Version(argparse.Action):
+    """Looks for the version of the installed package only if somebody asks for it."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        """Print it, and end."""
+        print(version("canopen-twins"))
+        parser.exit()
+
+
+def _complete(name: str, module: str, parser: Parser) -> None:
+    add_verbosity(parser)
+    getattr(import_module(f"canopen_twins.cli.{module}"), f"add_{name}")(parser)
 
 
 def _refused(why: str) -> int:

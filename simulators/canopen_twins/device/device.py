@@ -2,11 +2,13 @@
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import cache
 from math import inf
 from typing import Any, ClassVar, NamedTuple
 
 from canopen import ObjectDictionary
 
+from canopen_twins.bus.identifiers import NODE_IDS
 from canopen_twins.device.chart import Chart
 from canopen_twins.device.faults import Fault
 from canopen_twins.device.settings import NodeSettings, changed
@@ -16,11 +18,10 @@ from canopen_twins.slave.dictionary import dictionary
 from canopen_twins.slave.emcy import Emcy, Farewell, when_all_are_gone
 from canopen_twins.slave.memory import Memory
 from canopen_twins.slave.object import Address, Object, Rejected
+from canopen_twins.slave.pdo import Rpdo, Tpdo
 from canopen_twins.slave.profile import Profile
-from canopen_twins.slave.rpdo import Rpdo
-from canopen_twins.slave.service import NODE_IDS, Service, State
+from canopen_twins.slave.service import Service, State
 from canopen_twins.slave.slave import Slave
-from canopen_twins.slave.tpdo import Tpdo
 
 
 class EmcyMessage(NamedTuple):
@@ -72,6 +73,7 @@ class Device:
         self.configure(**given)
 
     @classmethod
+    @cache
     def complete(cls) -> None:
         """Look at what its author has written, before it is listed and before it has power.
 

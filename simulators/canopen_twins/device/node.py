@@ -12,13 +12,12 @@ from canopen_twins.device.device import Device
 from canopen_twins.device.faults import Faults
 from canopen_twins.errors import UserError
 from canopen_twins.slave.emcy import EmcyLog, EmcyProducer
-from canopen_twins.slave.heartbeat import HeartbeatConsumer, HeartbeatProducer
-from canopen_twins.slave.nmt import Nmt, Reset
-from canopen_twins.slave.sdo.server import SdoServer
+from canopen_twins.slave.nmt import HeartbeatConsumer, HeartbeatProducer, Nmt, Reset
+from canopen_twins.slave.pdo import Sync
+from canopen_twins.slave.sdo_server import SdoServer
 from canopen_twins.slave.service import Handler, Heard, Service, State
 from canopen_twins.slave.slave import Slave
 from canopen_twins.slave.store import Store, recall
-from canopen_twins.slave.sync import Sync
 
 
 class Stack:
@@ -205,17 +204,18 @@ class Node:
 
     def receive(self, frame: Frame) -> None:
         """Take a frame from the bus; what the node sends is in the outbox afterwards."""
-        stack, wire = self._stack, self.wire
-        if stack is None or frame.extended or wire.shut:
+        stack = self._stack
+        if stack is None or frame.extended:
             return
-        if wire.incoming:
-            through(wire.incoming, frame, self._take)
-        elif handlers := stack.routes.get((frame.can_id, frame.remote)):
+        if filters := self.wire.incoming:
+            if not stack.slave.shut:
+                through(filters, frame, self._take)
+        elif (handlers := stack.routes.get((frame.can_id, frame.remote))) and not stack.slave.shut:
             self._act_on(frame, handlers)
 
     def _take(self, frame: Frame) -> None:
         """What the filters have let through, now or later."""
-        if self._stack is None or self.wire.shut:
+        if self._stack is None or self._stack.slave.shut:
             return
         if handlers := self._stack.routes.get((frame.can_id, frame.remote)):
             self._act_on(frame, handlers)
@@ -322,5 +322,17 @@ class Node:
         if self._stack is not None:
             self._before = self._stack.slave
             self._stack.close()
-            self.wire.diary.enter(State.INITIALISING)
+            self.wire.events.add_state(State.INITIALISING)
             self._stack = None
+
+
+def wait_for_boot(nodes: Sequence[Node], advance: Callable[[float], None]) -> bool:
+    """Let time pass, by what takes seconds of it, until all have booted; whether they have.
+
+    A device that has not booted after a minute never will with the settings it has.
+    """
+    for _ in range(600):
+        if all(node.slave is not None for node in nodes):
+            return True
+        advance(0.1)
+    return False

@@ -11,10 +11,11 @@ from pathlib import Path
 from pkgutil import iter_modules
 
 from canopen_twins.device.device import Device
-from canopen_twins.devices import eds
 from canopen_twins.errors import UserError, unknown
 
 GROUP = "canopen_twins.devices"
+FILES = (".eds", ".dcf", ".xdd", ".xdc")
+"""Suffixes of files that describe a device."""
 
 
 def names() -> list[str]:
@@ -33,11 +34,13 @@ def find(name: str, beside: Path | None = None) -> type[Device]:
         UserError: there is no device of this name, or several, or it cannot be imported; there is
             no such file, or it describes no device.
     """
-    if eds.is_file(name):
+    if name.lower().endswith(FILES):
+        from canopen_twins.devices import eds  # noqa: PLC0415 - most processes need none
+
         return eds.device_of((beside or Path()) / name)
     if name not in names():
         told = unknown("device", name, names())
-        raise UserError(f"{told}; a path to an EDS, DCF, XDD or XDC file is one as well")
+        raise UserError(f"{told}; a path to an EDS file is one, too")
     installed = _installed().get(name, ())
     if name in _shipped() and not installed:
         device: type[Device] = import_module(f"{__name__}.{name}").Device

@@ -4,24 +4,27 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from canopen import SdoAbortedError
 
+from canopen_twins.bus import sdo
 from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.identifiers import Cob, classify
+from canopen_twins.bus.sdo import Ccs, Scs
 from canopen_twins.device.node import Node
+from canopen_twins.slave.dictionary import address_text
 from canopen_twins.slave.emcy import Emcy, emcy_of
-from canopen_twins.slave.heartbeat import STATE_BYTE
-from canopen_twins.slave.nmt import RESETS, TARGET
+from canopen_twins.slave.nmt import RESETS, STATE_BYTE, TARGET
 from canopen_twins.slave.object import Entry, Rejected
-from canopen_twins.slave.pdo import Pdo
-from canopen_twins.slave.rpdo import Rpdo
+from canopen_twins.slave.pdo import Pdo, Rpdo, Tpdo, carried
 from canopen_twins.slave.slave import Slave
-from canopen_twins.slave.tpdo import Tpdo
 
 COMMANDS: Mapping[int, str] = {
     **{command: state.lower() for command, state in TARGET.items()},
     **{command: f"reset {reset.name.lower()}" for command, reset in RESETS.items()},
 }
+SEGMENTS: Mapping[int, str] = {
+    Ccs.DOWNLOAD_SEGMENT: "write segment",
+    Ccs.UPLOAD_SEGMENT: "read segment",
+}
 STATES = {byte: state.lower() for state, byte in STATE_BYTE.items()}
-ABORT = 0x80  # 81h and more: the last segment of a block
-SERVICE, NODE_ID = 0x780, 0x7F
 
 Words = Callable[[Frame, Slave | None], str]
 
@@ -31,39 +34,36 @@ class Decoder:
 
     def __init__(self, nodes: Iterable[Node]) -> None:
         self._nodes = list(nodes)
-        self._services: Mapping[int, Words] = {
-            0x080: self._emcy,
-            0x580: _sdo_answer,
-            0x600: _sdo_request,
-            0x700: _heartbeat,
+        self._services: Mapping[Cob, Words] = {
+            Cob.NMT: _nmt,
+            Cob.SYNC: lambda *_: "SYNC",
+            Cob.EMCY: self._emcy,
+            Cob.SDO_ANSWER: _sdo_answer,
+            Cob.SDO_REQUEST: _sdo_request,
+            Cob.HEARTBEAT: _heartbeat,
         }
 
     def words(self, frame: Frame) -> str:
         """What a frame means, empty if nobody knows."""
         if frame.extended:
             return ""
-        if frame.can_id == 0x000:
-            return _nmt(frame)
-        for slave, pdo in self._pdos():
-            if pdo.cob_id == frame.can_id:
-                return _pdo(frame, pdo, slave)
-        if frame.can_id == 0x080:
-            return "SYNC"
-        service = self._services.get(frame.can_id & SERVICE)
-        if service is None or frame.remote:
+        for slave, kind, number in self._pdos():
+            if kind.identifier(slave, number) == frame.can_id:
+                return _pdo(frame, slave, kind, number)
+        known = classify(frame.can_id)
+        if known is None or frame.remote:
             return ""
-        return service(frame, self._slave(frame.can_id & NODE_ID))
+        words = self._services.get(known.cob)
+        return words(frame, self._slave(known.node_id)) if words is not None else ""
 
     def _slave(self, node_id: int) -> Slave | None:
         return next((node.slave for node in self._nodes if node.node_id == node_id), None)
 
-    def _pdos(self) -> Iterator[tuple[Slave, Pdo]]:
+    def _pdos(self) -> Iterator[tuple[Slave, type[Pdo], int]]:
         for slave in (node.slave for node in self._nodes):
             if slave is not None:
-                for number in Tpdo.numbers(slave):
-                    yield slave, Tpdo(slave, number)
-                for number in Rpdo.numbers(slave):
-                    yield slave, Rpdo(slave, number, lambda *_: None)
+                for kind in (Tpdo, Rpdo):
+                    yield from ((slave, kind, number) for number in kind.numbers(slave))
 
     def _emcy(self, frame: Frame, slave: Slave | None) -> str:
         told = emcy_of(frame.data)
@@ -78,7 +78,7 @@ class Decoder:
             yield from node.log.history
 
 
-def _nmt(frame: Frame) -> str:
+def _nmt(frame: Frame, slave: Slave | None) -> str:
     if len(frame.data) < 2:
         return "NMT, too short"
     command, target = frame.data[:2]
@@ -92,64 +92,64 @@ def _heartbeat(frame: Frame, slave: Slave | None) -> str:
     return f"heartbeat {STATES.get(frame.data[0], '?')}" if frame.data[0] else "boot-up"
 
 
-def _pdo(frame: Frame, pdo: Pdo, slave: Slave) -> str:
-    name = f"{type(pdo).__name__.upper()}{pdo.number}"
+def _pdo(frame: Frame, slave: Slave, kind: type[Pdo], number: int) -> str:
+    name = f"{kind.__name__.upper()}{number}"
     if frame.remote:
         return f"{name} requested"
-    values, data = [], frame.data
-    for entry, size in pdo.parts():
-        part, data = data[:size], data[size:]
-        if entry is not None and len(part) == size:
-            values.append(f"{entry.variable.name} = {entry.unpack(part)}")
+    values = [
+        f"{entry.variable.name} = {entry.unpack(frame.data[part])}"
+        for entry, _, part in carried(slave, kind.mapping + number - 1)
+        if entry is not None and part.stop <= len(frame.data)
+    ]
     return f"{name} {', '.join(values)}"
 
 
 def _sdo_request(frame: Frame, slave: Slave | None) -> str:
     data = frame.data
-    if len(data) != 8:
+    if len(data) != sdo.LENGTH:
         return "SDO request, too short"
-    kind = data[0] >> 5
-    if data[0] == ABORT:
+    if sdo.is_abort(data):
         return f"SDO abort by the client, {_abort(data)}"
-    if kind == 1:
-        return f"SDO write {_named(data, slave)}{_value(data, slave, data[0])}"
-    if kind == 2:
+    specifier = sdo.specifier(data)
+    if specifier == Ccs.DOWNLOAD:
+        return f"SDO write {_named(data, slave)}{_value(data, slave)}"
+    if specifier == Ccs.UPLOAD:
         return f"SDO read {_named(data, slave)}"
-    return {0: "SDO write segment", 3: "SDO read segment"}.get(kind, "SDO block transfer")
+    return f"SDO {SEGMENTS.get(specifier, 'block transfer')}"
 
 
 def _sdo_answer(frame: Frame, slave: Slave | None) -> str:
     data = frame.data
-    kind = data[0] >> 5 if data else 7
-    if data[:1] == bytes([ABORT]):
+    if len(data) != sdo.LENGTH:
+        return "SDO answer, too short"
+    if sdo.is_abort(data):
         return f"SDO abort {_named(data, slave)}, {_abort(data)}"
-    if kind == 2:
-        return f"SDO answer {_named(data, slave)}{_value(data, slave, data[0])}"
-    if kind == 3:
-        return f"SDO written {_named(data, slave)}"
+    match sdo.specifier(data):
+        case Scs.UPLOAD:
+            return f"SDO answer {_named(data, slave)}{_value(data, slave)}"
+        case Scs.DOWNLOAD:
+            return f"SDO written {_named(data, slave)}"
     return "SDO segment"
 
 
 def _abort(data: bytes) -> str:
-    code = int.from_bytes(data[4:8], "little")
+    code = sdo.abort_code(data)
     return f"{code:08X}h {SdoAbortedError.CODES.get(code, '')}".strip()
 
 
 def _named(data: bytes, slave: Slave | None) -> str:
-    index, subindex = int.from_bytes(data[1:3], "little"), data[3]
-    entry = _entry(data, slave)
-    address = f"0x{index:04X}:{subindex:02X}"
+    entry, address = _entry(data, slave), address_text(sdo.address(data))
     return f"{address} {entry.variable.qualname}" if entry else address
 
 
-def _value(data: bytes, slave: Slave | None, command: int) -> str:
-    """The value of an expedited transfer; its size is in the command, or that of the object."""
-    entry = _entry(data, slave)
-    if not command & 2:
+def _value(data: bytes, slave: Slave | None) -> str:
+    """The value of an expedited transfer; its size is told, or that of the object."""
+    if not sdo.is_expedited(data):
         return " in segments"
-    size = 4 - (command >> 2 & 3) if command & 1 else (entry.size if entry else None) or 4
-    raw = data[4 : 4 + size]
-    if entry is None or entry.size != size:
+    entry, raw = _entry(data, slave), sdo.value(data)
+    if entry is not None and sdo.size(data) is None:
+        raw = raw[: entry.size]
+    if entry is None or entry.size != len(raw):
         return f" = {raw.hex(' ')}"
     return f" = {entry.unpack(raw)}"
 
@@ -158,6 +158,6 @@ def _entry(data: bytes, slave: Slave | None) -> Entry | None:
     if slave is None:
         return None
     try:
-        return slave.entry(int.from_bytes(data[1:3], "little"), data[3])
+        return slave.entry(*sdo.address(data))
     except Rejected:
         return None

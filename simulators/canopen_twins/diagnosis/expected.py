@@ -1,201 +1,64 @@
-"""What stands in the way of the values of objects, and how else a master could write them."""
+"""What was expected in vain, as an object, and what is known of why it did not come."""
 
-import re
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from math import inf
 
+from canopen_twins.bus import identifiers
 from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.identifiers import CAN_ID, INVALID
 from canopen_twins.diagnosis.view import View
-from canopen_twins.slave import cob_id as cob_ids
 from canopen_twins.slave.emcy import emcy_id
 from canopen_twins.slave.nmt import ALL_NODES, TARGET
 from canopen_twins.slave.object import Address, Entry, Rejected
-from canopen_twins.slave.pdo import COB_ID, SYNCHRONOUS, TRANSMISSION_TYPE, mapped
-from canopen_twins.slave.rpdo import Rpdo
+from canopen_twins.slave.pdo import COB_ID, SYNCHRONOUS, TRANSMISSION_TYPE, Rpdo, Tpdo, carried
 from canopen_twins.slave.service import State
 from canopen_twins.slave.slave import Slave
-from canopen_twins.slave.tpdo import Tpdo
 
-
-def values(view: View, slave: Slave, about: Sequence[Address], told: str) -> Iterator[str]:
-    """What keeps a device from doing as its objects tell it, and where they are explained."""
-    errors = [f"{each.code:04X}h {each.label}".strip() for each in view.node.log.active]
-    if news := [each for each in errors if each.partition(" ")[2] not in told]:
-        yield f"active: {', '.join(news)}"
-    for obstacle, names in _obstacles(view, slave, about).items():
-        if obstacle not in told:
-            yield f"without effect now: {obstacle}, {', '.join(names)}"
-    if sources := [view.named(each) for each in about if view.sections.object(each)]:
-        yield f"see {', '.join(sources)}"
-
-
-def _obstacles(view: View, slave: Slave, about: Sequence[Address]) -> dict[str, list[str]]:
-    """The objects in whose way each of them stands."""
-    obstacles: dict[str, list[str]] = {}
-    for entries in slave.entries.values():
-        for entry in entries.values():
-            if obstacle := _obstacle(entry, about):
-                obstacles.setdefault(obstacle, []).append(view.named(entry.address))
-    return obstacles
-
-
-def _obstacle(entry: Entry, about: Sequence[Address]) -> str:
-    """In the way of the value that an object has; of one that nobody has set, only if asked."""
-    if entry.obstacle is None:
-        return ""
-    try:
-        data = entry.read()
-    except Rejected:
-        return ""
-    told = data != entry.initial or entry.address in about
-    return entry.obstacle(entry.unpack(data)) if told else ""
-
-
-def ways(view: View, slave: Slave, about: Sequence[Address]) -> Iterator[str]:
-    """How a master could have written objects, other than by SDO."""
-    for number in Rpdo.numbers(slave):
-        for entry in _mapped(slave, number):
-            if entry.address in about:
-                record = Rpdo.communication + number - 1
-                cob_id = slave.number(record, COB_ID)
-                off = f", which is off: bit 31 of {view.named((record, COB_ID))} is set"
-                way = f"RPDO{number}, {cob_id & cob_ids.CAN_ID:03X}h"
-                yield f"{view.named(entry.address)} is in {way}" + (
-                    off if cob_id & cob_ids.INVALID else ""
-                )
-
-
-def _mapped(slave: Slave, number: int) -> Iterator[Entry]:
-    try:
-        parts = mapped(slave, Rpdo.mapping + number - 1)
-    except Rejected:
-        return
-    yield from (entry for entry, _ in parts if isinstance(entry, Entry))
-
-
+ON_REQUEST = (252, 253)  # transmission types
 COMMAND_LENGTH = 2
 
 
-def sought(view: View, wanted: str, about: Sequence[Address], told: str = "") -> Iterator[str]:
-    """What is known of it, in sentences; nothing while the node is silent.
+class Expected:
+    """Something that was waited for at a node; who knows nothing of it has no sentences."""
 
-    `wanted` is in words, as a scenario tells it; `about` are the objects it is about,
-    and `told` is what has been said already.
-    """
-    slave = view.node.slave
-    if slave is None:
-        return
-    if wanted.startswith("write "):
-        yield from ways(view, slave, about)
-    elif about and not wanted.startswith("no write "):
-        yield from values(view, slave, about, told)
-    elif wanted.startswith("state "):
-        yield from _state(view, wanted.split()[1].upper())
-    elif wanted.startswith("NMT "):
-        yield from _others(view)
-    elif wanted.startswith("no frame") and not wanted.startswith("no frame of"):
-        yield from _spoke(view, slave)
+    def reasons(self, view: View, slave: Slave, told: str) -> Iterator[str]:
+        """What is known of it, in sentences; `told` is what has been said already."""
+        raise NotImplementedError
 
 
-def _commands(view: View) -> Iterator[Frame]:
-    for record in view.records:
-        frame = record.frame
-        if frame.can_id == 0 and not frame.remote and len(frame.data) == COMMAND_LENGTH:
-            yield frame
+# Frames that have not come
 
 
-def _state(view: View, name: str) -> Iterator[str]:
-    state = view.node.state
-    if state == name:
-        yield f"the node is {state.lower()}, and has not entered it anew"
-        return
-    known = {frame.data[0] for frame in _commands(view) if _is_for(view, frame)}
-    commands = [command for command, target in TARGET.items() if target == name]
-    if commands and not known.intersection(commands):
-        yield (
-            f"the node is {state.lower()}, and no NMT command {commands[0]:02X}h came for it"
-            f"{view.service('nmt')}"
-        )
-    yield from _others(view)
+@dataclass(frozen=True)
+class ExpectedFrame(Expected):
+    """A frame of an identifier: what has struck the last one, or why its service sends none."""
+
+    can_id: int
+
+    def reasons(self, view: View, slave: Slave, told: str) -> Iterator[str]:
+        """At most one."""
+        if reason := _struck(view, self.can_id) or _not_sent(view, slave, self.can_id):
+            yield reason
 
 
-def _is_for(view: View, frame: Frame) -> bool:
-    return frame.data[1] in (ALL_NODES, view.node_id)
+@dataclass(frozen=True)
+class ExpectedEmcy(Expected):
+    """Any emergency of the node."""
+
+    def reasons(self, view: View, slave: Slave, told: str) -> Iterator[str]:
+        """As for a frame, whatever its identifier is."""
+        can_id = emcy_id(slave)
+        yield (can_id is not None and _struck(view, can_id)) or _no_emcy(view, slave)
 
 
-def _others(view: View) -> Iterator[str]:
-    """NMT commands that were for somebody else."""
-    for frame in _commands(view):
-        if not _is_for(view, frame):
-            yield f"{frame} is for node {frame.data[1]}, this is node {view.node_id}"
+@dataclass(frozen=True)
+class ExpectedHeartbeat(Expected):
+    """Any heartbeat of the node."""
 
-
-def _spoke(view: View, slave: Slave) -> Iterator[str]:
-    """What made the node send its last frame."""
-    own = [record for record in view.records if view.is_own(record)]
-    if not own:
-        return
-    frame = own[-1].frame
-    if frame.can_id == 0x700 + slave.node_id:
-        yield _beat(view, slave, frame)
-    elif frame.can_id == 0x580 + slave.node_id:
-        yield f"{frame} answers a request{view.service('sdo')}"
-    elif frame.can_id == emcy_id(slave):
-        yield f"{frame} is an EMCY{view.service('emcy')}"
-    for number in Tpdo.numbers(slave):
-        record = Tpdo.communication + number - 1
-        if slave.number(record, COB_ID) & cob_ids.CAN_ID == frame.can_id:
-            kind = slave.number(record, TRANSMISSION_TYPE)
-            named = view.named((record, TRANSMISSION_TYPE))
-            yield f"{frame} is TPDO{number}: {named} is {kind}"
-
-
-def _beat(view: View, slave: Slave, frame: Frame) -> str:
-    if frame.data == b"\0":
-        return f"{frame} is a boot-up{view.service('nmt')}"
-    if not slave.has(0x1017):
-        return f"{frame} is a heartbeat{view.service('heartbeat')}"
-    period = slave.number(0x1017)
-    return f"{frame} is a heartbeat: {view.named((0x1017, 0))} is {period} ms"
-
-
-COB_ID_OF_FRAME = re.compile(r"([0-9A-F]{3})#")
-ON_REQUEST = (252, 253)
-OFF = -1  # the identifier of emergencies that are switched off
-
-
-def silence(view: View) -> str:
-    """Why the node is not on the bus; empty if it is."""
-    node = view.node
-    if not node.powered:
-        return "the node is silent: its supply is off"
-    if node.slave is None:
-        reason = node.device.silence or "it has not booted"
-        return f"the node is silent: {reason}{view.service('silence')}"
-    if node.wire.shut:
-        reason = node.device.silence or "it has shut itself off for a while"
-        return f"the node is off the bus: {reason}{view.service('silence')}"
-    return ""
-
-
-def missing(view: View, wanted: str) -> str:
-    """Why something that was waited for has not come; empty if nothing is known.
-
-    `wanted` is in words, as a scenario tells it: it begins with a frame in the notation of
-    cansend, with `EMCY` or with `heartbeat`.
-    """
-    slave = view.node.slave
-    if slave is None:
-        return ""
-    can_id = _identifier(slave, wanted)
-    return "" if can_id is None else _struck(view, can_id) or _frame(view, slave, can_id)
-
-
-def _identifier(slave: Slave, wanted: str) -> int | None:
-    if match := COB_ID_OF_FRAME.match(wanted):
-        return int(match[1], 16)
-    services = {"EMCY": emcy_id(slave) or OFF, "heartbeat": 0x700 + slave.node_id}
-    return services.get(wanted.partition(" ")[0])
+    def reasons(self, view: View, slave: Slave, told: str) -> Iterator[str]:
+        """As for a frame."""
+        yield from ExpectedFrame(identifiers.heartbeat(slave.node_id)).reasons(view, slave, told)
 
 
 def _struck(view: View, can_id: int) -> str:
@@ -207,24 +70,24 @@ def _struck(view: View, can_id: int) -> str:
     return ""
 
 
-def _frame(view: View, slave: Slave, can_id: int) -> str:
+def _not_sent(view: View, slave: Slave, can_id: int) -> str:
+    """Why a service is silent; empty if it is not, or if it is none of ours."""
     for number in Tpdo.numbers(slave):
         record = Tpdo.communication + number - 1
-        if slave.number(record, COB_ID) & cob_ids.CAN_ID == can_id:
-            why = _tpdo(view, slave, number, record)
-            return f"TPDO{number}: {why}" if why else ""
-    if can_id == 0x700 + slave.node_id:
-        return _heartbeat(view, slave)
-    return _emcy(view, slave) if can_id == (emcy_id(slave) or OFF) else ""
+        if slave.number(record, COB_ID) & CAN_ID == can_id:
+            return f"TPDO{number}: {_no_tpdo(view, slave, number, record)}"
+    if can_id == identifiers.heartbeat(slave.node_id):
+        return _no_heartbeat(view, slave)
+    return _no_emcy(view, slave) if can_id == emcy_id(slave) else ""
 
 
-def _tpdo(view: View, slave: Slave, number: int, record: int) -> str:
+def _no_tpdo(view: View, slave: Slave, number: int, record: int) -> str:
     state, kind = view.node.state, slave.number(record, TRANSMISSION_TYPE)
-    if slave.number(record, COB_ID) & cob_ids.INVALID:
+    if slave.number(record, COB_ID) & INVALID:
         return f"it is off, bit 31 of {view.named((record, COB_ID))} is set"
     if state not in Tpdo.active_in:
         return f"the node is {state.lower()}, without PDO{view.service('states')}"
-    if not _carries(slave, Tpdo.mapping + number - 1):
+    if not carried(slave, Tpdo.mapping + number - 1):
         return f"nothing is mapped in {view.named((Tpdo.mapping + number - 1, 0))}"
     if kind in ON_REQUEST:
         return f"it comes on a remote request, {view.named((record, TRANSMISSION_TYPE))} is {kind}"
@@ -233,14 +96,7 @@ def _tpdo(view: View, slave: Slave, number: int, record: int) -> str:
     return f"it has its own moments{view.service('pdo')}"
 
 
-def _carries(slave: Slave, mapping: int) -> bool:
-    try:
-        return bool(mapped(slave, mapping))
-    except Rejected:
-        return False
-
-
-def _heartbeat(view: View, slave: Slave) -> str:
+def _no_heartbeat(view: View, slave: Slave) -> str:
     if not slave.has(0x1017):
         return f"there is no heartbeat, nor an object 0x1017{view.service('heartbeat')}"
     if slave.number(0x1017):
@@ -248,7 +104,7 @@ def _heartbeat(view: View, slave: Slave) -> str:
     return f"there is no heartbeat: {view.named((0x1017, 0))} is 0"
 
 
-def _emcy(view: View, slave: Slave) -> str:
+def _no_emcy(view: View, slave: Slave) -> str:
     if view.node.state is State.STOPPED:
         return f"no EMCY: the node is stopped{view.service('states')}"
     if emcy_id(slave) is None:
@@ -257,3 +113,152 @@ def _emcy(view: View, slave: Slave) -> str:
     if not told:
         return f"no error is active{view.service('emcy')}"
     return f"active, and told when they came: {told}{view.service('emcy')}"
+
+
+# A silence that was not kept
+
+
+@dataclass(frozen=True)
+class ExpectedSilence(Expected):
+    """No frame of the node at all."""
+
+    def reasons(self, view: View, slave: Slave, told: str) -> Iterator[str]:
+        """What made the node send its last frame."""
+        own = [record for record in view.records if view.is_own(record)]
+        if not own:
+            return
+        frame = own[-1].frame
+        if frame.can_id == identifiers.heartbeat(slave.node_id):
+            yield _beat(view, slave, frame)
+        elif frame.can_id == identifiers.sdo_answer(slave.node_id):
+            yield f"{frame} answers a request{view.service('sdo')}"
+        elif frame.can_id == emcy_id(slave):
+            yield f"{frame} is an EMCY{view.service('emcy')}"
+        for number in Tpdo.numbers(slave):
+            record = Tpdo.communication + number - 1
+            if slave.number(record, COB_ID) & CAN_ID == frame.can_id:
+                kind = slave.number(record, TRANSMISSION_TYPE)
+                named = view.named((record, TRANSMISSION_TYPE))
+                yield f"{frame} is TPDO{number}: {named} is {kind}"
+
+
+def _beat(view: View, slave: Slave, frame: Frame) -> str:
+    if frame.data == b"\0":
+        return f"{frame} is a boot-up{view.service('nmt')}"
+    if not slave.has(0x1017):
+        return f"{frame} is a heartbeat{view.service('heartbeat')}"
+    period = slave.number(0x1017)
+    return f"{frame} is a heartbeat: {view.named((0x1017, 0))} is {period} ms"
+
+
+# NMT
+
+
+@dataclass(frozen=True)
+class ExpectedState(Expected):
+    """That the node enters an NMT state."""
+
+    state: State
+
+    def reasons(self, view: View, slave: Slave, told: str) -> Iterator[str]:
+        """Whether it is there already, and the command that is missing."""
+        state = view.node.state
+        if state == self.state:
+            yield f"the node is {state.lower()}, and has not entered it anew"
+            return
+        known = {frame.data[0] for frame in _commands(view) if _is_for(view, frame)}
+        commands = [command for command, target in TARGET.items() if target is self.state]
+        if commands and not known.intersection(commands):
+            yield (
+                f"the node is {state.lower()}, and no NMT command {commands[0]:02X}h came for it"
+                f"{view.service('nmt')}"
+            )
+        yield from _for_others(view)
+
+
+@dataclass(frozen=True)
+class ExpectedCommand(Expected):
+    """An NMT command for the node."""
+
+    def reasons(self, view: View, slave: Slave, told: str) -> Iterator[str]:
+        """Those that were for somebody else."""
+        yield from _for_others(view)
+
+
+def _commands(view: View) -> Iterator[Frame]:
+    for record in view.records:
+        frame = record.frame
+        is_nmt = frame.can_id == identifiers.NMT and not frame.remote
+        if is_nmt and len(frame.data) == COMMAND_LENGTH:
+            yield frame
+
+
+def _is_for(view: View, frame: Frame) -> bool:
+    return frame.data[1] in (ALL_NODES, view.node_id)
+
+
+def _for_others(view: View) -> Iterator[str]:
+    for frame in _commands(view):
+        if not _is_for(view, frame):
+            yield f"{frame} is for node {frame.data[1]}, this is node {view.node_id}"
+
+
+# Objects
+
+
+@dataclass(frozen=True)
+class ExpectedWrites(Expected):
+    """That the master writes objects."""
+
+    objects: Sequence[Address]
+
+    def reasons(self, view: View, slave: Slave, told: str) -> Iterator[str]:
+        """How it could have, other than by SDO."""
+        for number in Rpdo.numbers(slave):
+            for entry, *_ in carried(slave, Rpdo.mapping + number - 1):
+                if entry is not None and entry.address in self.objects:
+                    record = Rpdo.communication + number - 1
+                    cob_id = slave.number(record, COB_ID)
+                    off = f", which is off: bit 31 of {view.named((record, COB_ID))} is set"
+                    yield (
+                        f"{view.named(entry.address)} is in RPDO{number}, {cob_id & CAN_ID:03X}h"
+                        f"{off if cob_id & INVALID else ''}"
+                    )
+
+
+@dataclass(frozen=True)
+class ExpectedValues(Expected):
+    """Values of objects, whichever they should have, or should not."""
+
+    objects: Sequence[Address]
+
+    def reasons(self, view: View, slave: Slave, told: str) -> Iterator[str]:
+        """What keeps the device from doing as its objects tell it, and where they are explained."""
+        errors = [f"{each.code:04X}h {each.label}".strip() for each in view.node.log.active]
+        if news := [each for each in errors if each.partition(" ")[2] not in told]:
+            yield f"active: {', '.join(news)}"
+        for obstacle, names in self._obstacles(view, slave).items():
+            if obstacle not in told:
+                yield f"without effect now: {obstacle}, {', '.join(names)}"
+        if sources := [view.named(each) for each in self.objects if view.sections.object(each)]:
+            yield f"see {', '.join(sources)}"
+
+    def _obstacles(self, view: View, slave: Slave) -> dict[str, list[str]]:
+        """The objects in whose way each of them stands."""
+        obstacles: dict[str, list[str]] = {}
+        for entries in slave.entries.values():
+            for entry in entries.values():
+                if obstacle := self._obstacle(entry):
+                    obstacles.setdefault(obstacle, []).append(view.named(entry.address))
+        return obstacles
+
+    def _obstacle(self, entry: Entry) -> str:
+        """In the way of the value that an object has; of one that nobody has set, only if asked."""
+        if entry.obstacle is None:
+            return ""
+        try:
+            data = entry.read()
+        except Rejected:
+            return ""
+        asked = data != entry.initial or entry.address in self.objects
+        return entry.obstacle(entry.unpack(data)) if asked else ""

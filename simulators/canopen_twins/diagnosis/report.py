@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from canopen_twins.bus.segment import Record
 from canopen_twins.device.node import Node
 from canopen_twins.diagnosis.decoder import Decoder
+from canopen_twins.diagnosis.expected import Expected
 from canopen_twins.diagnosis.why import why
-from canopen_twins.slave.object import Address
 
 SHOWN = 20  # frames
 
@@ -21,8 +21,7 @@ def device_report(
     node: Node,
     records: Sequence[Record],
     since: float = 0.0,
-    wanted: str = "",
-    about: Sequence[Address] = (),
+    expected: Expected | None = None,
 ) -> str:
     """How a node is, and why it answered the last frames as it did.
 
@@ -30,10 +29,9 @@ def device_report(
         node: As it is now.
         records: The frames of its bus, the last one last.
         since: Where their time begins, in seconds of the node's clock.
-        wanted: What was waited for in vain, as `why` takes it.
-        about: The objects it is about.
+        expected: What was waited for in vain, as `why` takes it.
     """
-    reasons = why(node, records[-SHOWN:], since, wanted, about)
+    reasons = why(node, records[-SHOWN:], since, expected)
     return "\n".join([device_state(node), *(f"  why: {reason}" for reason in reasons)])
 
 

@@ -1,4 +1,4 @@
-"""A node with its diary, its dictionary and its manual: what every explanation looks at."""
+"""A node with its event log, its dictionary and its manual: what every explanation looks at."""
 
 from collections.abc import Container, Sequence
 from functools import cached_property
@@ -8,9 +8,10 @@ from canopen import ObjectDictionary
 from canopen.objectdictionary import ODVariable
 
 from canopen_twins.bus.segment import Record
-from canopen_twins.bus.wire import GRAIN, UNBORN, Note
+from canopen_twins.bus.wire import GRAIN, NOT_BOOTED, LogEntry
 from canopen_twins.device.node import Node
 from canopen_twins.diagnosis.sections import sections
+from canopen_twins.slave.dictionary import address_text
 from canopen_twins.slave.object import Address
 from canopen_twins.slave.service import State
 
@@ -42,7 +43,7 @@ class View:
         self.records = records
         self.since = since
         self.sections = sections(node.device.eds)
-        self.diary = node.wire.diary
+        self._events = node.wire.events
 
     @property
     def node_id(self) -> int:
@@ -59,7 +60,7 @@ class View:
         item = self._dictionary.indices.get(index)
         if item is not None and not isinstance(item, ODVariable):
             item = item.subindices.get(subindex, item)
-        name = getattr(item, "qualname", getattr(item, "name", f"0x{index:04X}:{subindex:02X}"))
+        name = getattr(item, "qualname", getattr(item, "name", address_text(address)))
         return name + in_brackets(self.sections.object(address))
 
     def service(self, name: str) -> str:
@@ -68,7 +69,7 @@ class View:
 
     def may(self, time: float, active: Container[str]) -> bool:
         """Whether the node may have been in one of these states at a time of the records."""
-        states = self.diary.states(self.since + time)
+        states = self._events.states(self.since + time)
         return not states or any(state in active for state in states)
 
     def unable(self, time: float, active: Container[str], what: str) -> str:
@@ -76,24 +77,24 @@ class View:
 
         One moment may see two states: a frame that was not answered came in the wrong one.
         """
-        states = self.diary.states(self.since + time)
+        states = self._events.states(self.since + time)
         if all(state in active for state in states):
             return ""
-        if states & {UNBORN, State.INITIALISING}:
+        if states & {NOT_BOOTED, State.INITIALISING}:
             return f"the node was not on the bus{self.service('silence')}"
         state = min(state for state in states if state not in active).lower()
         return f"the node was {state}, without {what}{self.service('states')}"
 
-    def refusal(self, frame: object, begin: float, end: float) -> Note | None:
-        """What the node noted of a frame from one time of the records to another."""
+    def refusal(self, frame: object, begin: float, end: float) -> LogEntry | None:
+        """What the node logged of a frame from one time of the records to another."""
         first, last = self.since + begin - GRAIN, self.since + end + GRAIN
-        notes = (note for note in self.diary.refusals if first <= note.time <= last)
-        return next((note for note in notes if note.about == str(frame)), None)
+        entries = (each for each in self._events.refusals if first <= each.time <= last)
+        return next((each for each in entries if each.about == str(frame)), None)
 
     def strikes(self) -> list[Strike]:
         """What faults have struck lately."""
-        notes = self.diary.strikes
-        return [Strike(note.time - self.since, note.about, note.words) for note in notes]
+        logged = self._events.strikes
+        return [Strike(each.time - self.since, each.about, each.words) for each in logged]
 
     @cached_property
     def _dictionary(self) -> ObjectDictionary:

@@ -10,18 +10,17 @@ from canopen_twins.device.device import Device
 from canopen_twins.device.faults import Fault, Faults
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
-from canopen_twins.faults.disturbance import AIM, Kind, Place, fault
-from canopen_twins.faults.emcy import EMCY
+from canopen_twins.faults.disturbance import AIM, FaultType, Place, fault
 from canopen_twins.faults.line import LINE
+from canopen_twins.faults.messages import EMCY, ERROR_CONTROL, PDO
 from canopen_twins.faults.node import NODE
-from canopen_twins.faults.pdo import PDO
 from canopen_twins.faults.sdo import SDO
 
 __all__ = ["AIM", "LEVELS", "connect", "faults"]
 
-LEVELS: Mapping[str, Mapping[str, Kind]] = {
+LEVELS: Mapping[str, Mapping[str, FaultType]] = {
     "protocol": {**SDO, **PDO, **EMCY},
-    "node": NODE,
+    "node": {**ERROR_CONTROL, **NODE},
     "line": LINE,
 }
 
@@ -52,7 +51,7 @@ def faults(node: Node, nodes: list[Node]) -> Faults:
 
 def _around(place: Place) -> Mapping[str, Fault]:
     return {
-        name: fault(name, kind, level, place)
-        for level, kinds in LEVELS.items()
-        for name, kind in kinds.items()
+        name: fault(name, type, level, place)
+        for level, types in LEVELS.items()
+        for name, type in types.items()
     }

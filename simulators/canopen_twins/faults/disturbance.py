@@ -1,4 +1,4 @@
-"""Which of the frames or accesses that fit are struck: counted, or by seeded chance."""
+"""Faults around every node: which frames are struck, what becomes of them, and when it is over."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from enum import IntEnum
 from functools import partial
 from random import Random
+from typing import Any
 
-from canopen_twins.bus.clock import Scope, Timing
+from canopen_twins.bus.clock import Scope
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.wire import Filter, Onward
 from canopen_twins.device.faults import Fault, Parameter
@@ -25,8 +26,11 @@ AIM: Mapping[str, Parameter] = {
 """The parameters that every fault has whose victims come one after the other."""
 
 
-class Turn:
-    """Is asked once for each that fits."""
+class Aim:
+    """Which of the frames or accesses that fit are struck: counted, or by seeded chance.
+
+    It is asked once for each that fits.
+    """
 
     def __init__(
         self,
@@ -61,6 +65,14 @@ class Turn:
         self._in_a_row -= 1
         self._struck += 1
         return True
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where something goes wrong: at a node, among the nodes of its segment."""
+
+    node: Node
+    nodes: list[Node]
 
 
 Effect = Callable[[Frame], Iterable[tuple[float, Frame]]]
@@ -103,9 +115,9 @@ def frozen() -> Effect:
     return lambda frame: [(0.0, first.setdefault(frame.can_id, frame))]
 
 
-def jittered(clock: Timing, seconds: float, seed: int) -> Effect:
+def jittered(place: Place, seconds: float, seed: int) -> Effect:
     """Each frame later by a time of its own, up to so many seconds; none overtakes another."""
-    chance, last = Random(seed), 0.0
+    chance, last, clock = Random(seed), 0.0, place.node.clock
 
     def effect(frame: Frame) -> Iterable[tuple[float, Frame]]:
         nonlocal last
@@ -128,14 +140,12 @@ def corrupted(bits: int, seed: int) -> Effect:
 
 
 Fits = Callable[[Node, Frame], bool]
+"""Whether a frame, to or from a node, is one of those that are aimed at."""
 
 
-@dataclass(frozen=True)
-class Place:
-    """Where something goes wrong: at a node, among the nodes of its segment."""
-
-    node: Node
-    nodes: list[Node]
+def anything(node: Node, frame: Frame) -> bool:
+    """Every frame."""
+    return True
 
 
 class Side(IntEnum):
@@ -152,13 +162,13 @@ class Disturbance:
     name = ""
     """That of its fault."""
 
-    def __init__(self, node: Node) -> None:
-        self.node = node
-        self.clock = Scope(node.clock)
+    def __init__(self, place: Place) -> None:
+        self.node = place.node
+        self.clock = Scope(place.node.clock)
 
     @property
     def over(self) -> bool:
-        """Whether it has healed by itself."""
+        """Whether it is over by itself."""
         return False
 
     def start(self) -> None:
@@ -179,18 +189,18 @@ class Filtering(Disturbance):
     both_ways = False
     side = Side.PROTOCOL
 
-    def __init__(self, node: Node, fits: Fits, effect: Effect, turn: Turn) -> None:
-        super().__init__(node)
+    def __init__(self, place: Place, fits: Fits, effect: Effect, **aim: Any) -> None:
+        super().__init__(place)
         self._fits = fits
         self._effect = effect
-        self._turn = turn
+        self._aim = Aim(**aim)
         self._held = 0
         self._running = False
 
     @property
     def over(self) -> bool:
         """Nothing will be struck any more, and nothing is held back."""
-        return self._turn.over and not self._held
+        return self._aim.over and not self._held
 
     def start(self) -> None:
         """Stand in the way."""
@@ -211,15 +221,15 @@ class Filtering(Disturbance):
 
     def __call__(self, frame: Frame, onward: Onward) -> None:
         """Strike, or let pass; a frame that was held back elsewhere may come when it has ended."""
-        if self._running and self._fits(self.node, frame) and self._turn.strikes():
+        if self._running and self._fits(self.node, frame) and self._aim.strikes():
             self.note(frame)
             self.strike(frame, onward)
         else:
             onward(frame)
 
     def note(self, frame: Frame) -> None:
-        """Remember that a frame is struck: whoever asks why afterwards may find it healed."""
-        self.node.wire.diary.strike(frame, self.name)
+        """Remember that a frame is struck: whoever asks why may come when it is over."""
+        self.node.wire.events.add_strike(frame, self.name)
 
     def strike(self, frame: Frame, onward: Onward) -> None:
         """Send onward what comes out of a frame."""
@@ -234,7 +244,8 @@ class Filtering(Disturbance):
     def _release(self, frame: Frame, onward: Onward, sender: Slave | None) -> None:
         """What is on the line stays there; what a node has yet to send goes with a reset."""
         self._held -= 1
-        if self.side is Side.LINE or self.node.slave is sender:
+        its_own = self.node.slave is sender and not (sender and sender.shut)
+        if self.side is Side.LINE or its_own:
             onward(frame)
 
 
@@ -243,8 +254,8 @@ def _side(filter: Filter) -> Side:
 
 
 @dataclass(frozen=True)
-class Kind:
-    """One kind of fault that every device has: a row of the table of its level."""
+class FaultType:
+    """A fault that every device has: a row of the table of its level."""
 
     text: str
     sees: str
@@ -253,12 +264,12 @@ class Kind:
     """Called with a place and every parameter as a keyword."""
 
 
-def fault(name: str, kind: Kind, level: str, place: Place) -> Fault:
-    """A kind of fault at a place, by its name."""
+def fault(name: str, type: FaultType, level: str, place: Place) -> Fault:
+    """A fault of a type at a place, by its name."""
     running: list[Disturbance] = []
 
     def inject(**values: object) -> None:
-        disturbance = kind.make(place, **values)
+        disturbance = type.make(place, **values)
         disturbance.name = name
         running.append(disturbance)
         disturbance.start()
@@ -269,4 +280,4 @@ def fault(name: str, kind: Kind, level: str, place: Place) -> Fault:
     def over() -> bool:
         return all(disturbance.over for disturbance in running)
 
-    return Fault(kind.text, inject, clear, kind.parameters, level, kind.sees, over)
+    return Fault(type.text, inject, clear, type.parameters, level, type.sees, over)

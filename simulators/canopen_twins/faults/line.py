@@ -1,22 +1,22 @@
-"""What stands in the line: filters for both directions, and the frames of others."""
+"""Line level: frames are lost, late, doubled, altered, or crowded by those of others."""
 
 from collections.abc import Mapping
 from functools import partial
+from typing import Any
 
 from canopen_twins.bus.frame import STANDARD_IDS, Frame, length, pattern
 from canopen_twins.bus.wire import Onward, Wire
 from canopen_twins.device.faults import Parameter
-from canopen_twins.device.node import Node
 from canopen_twins.faults.disturbance import (
     AIM,
     Disturbance,
     Effect,
+    FaultType,
     Filtering,
     Fits,
-    Kind,
     Place,
     Side,
-    Turn,
+    anything,
     corrupted,
     doubled,
     jittered,
@@ -66,7 +66,7 @@ class BusOff(LineFilter):
     """Neither sends nor hears, until the recovery."""
 
     def __init__(self, place: Place, seconds: float) -> None:
-        super().__init__(place.node, anything, lost, Turn())
+        super().__init__(place, anything, lost)
         self._seconds = seconds
         self._recovered = False
 
@@ -90,7 +90,7 @@ class Load(Disturbance):
     """Frames that concern nobody, so many that they take a share of the bus."""
 
     def __init__(self, place: Place, percent: float, kilobits: int, cob_id: int) -> None:
-        super().__init__(place.node)
+        super().__init__(place)
         self._wire = Wire(place.node.clock, place.node.wire.outbox, "load")
         self._frame = Frame(cob_id, b"\x55" * 8)
         self._period = length(self._frame) / (1000 * kilobits) * 100 / percent
@@ -110,78 +110,71 @@ def looks_like(text: str) -> Fits:
     return lambda node, frame: look.fullmatch(str(frame)) is not None
 
 
-def anything(node: Node, frame: Frame) -> bool:
-    """Every frame."""
-    return True
-
-
 LOOK = "185#D007xxxx: x is any digit, * any rest"
 FRAME = {"frame": Parameter(LOOK, "xxx#*", str)}
 ONE_AFTER_THE_OTHER = {"frame": Parameter(LOOK, kind=str)}
 SECONDS = Parameter("by how much, in s", 0.01, low=0)
 
 
-def line(place: Place, effect: Effect, frame: str, **turn: int) -> Filtering:
+def line(place: Place, effect: Effect, frame: str, **aim: Any) -> Filtering:
     """Strikes the frames that look like a pattern, whoever sends them."""
-    return LineFilter(place.node, looks_like(frame), effect, Turn(**turn))
+    return LineFilter(place, looks_like(frame), effect, **aim)
 
 
-LINE: Mapping[str, Kind] = {
-    "frame_lost": Kind(
+LINE: Mapping[str, FaultType] = {
+    "frame_lost": FaultType(
         "A frame does not arrive.",
         "A gap: a request to be repeated, a cycle missed, a time-out.",
         {**FRAME, **AIM},
-        lambda place, frame, **turn: line(place, lost, frame, **turn),
+        lambda place, frame, **aim: line(place, lost, frame, **aim),
     ),
-    "frame_doubled": Kind(
+    "frame_doubled": FaultType(
         "A frame arrives twice.",
         "The same once more: no second action, no toggle error, no answer to what it did not ask.",
         {**FRAME, **AIM},
-        lambda place, frame, **turn: line(place, doubled, frame, **turn),
+        lambda place, frame, **aim: line(place, doubled, frame, **aim),
     ),
-    "frame_late": Kind(
+    "frame_late": FaultType(
         "A frame arrives late; others may overtake it.",
         "Old data after new, an answer after the time-out.",
         {"seconds": SECONDS, **FRAME, **AIM},
-        lambda place, seconds, frame, **turn: line(place, late(seconds), frame, **turn),
+        lambda place, seconds, frame, **aim: line(place, late(seconds), frame, **aim),
     ),
-    "frame_jitter": Kind(
+    "frame_jitter": FaultType(
         "Frames arrive late, each by another time; none overtakes another.",
         "Irregular cycles: no alarm below the limit, one above.",
         {"seconds": SECONDS, **FRAME, **AIM},
-        lambda place, seconds, frame, **turn: line(
-            place, jittered(place.node.clock, seconds, turn["seed"]), frame, **turn
+        lambda place, seconds, frame, **aim: line(
+            place, jittered(place, seconds, aim["seed"]), frame, **aim
         ),
     ),
-    "frame_swapped": Kind(
+    "frame_swapped": FaultType(
         "A frame and the next one like it change places.",
         "The older one last: an old value is not to win over a new one.",
         {**ONE_AFTER_THE_OTHER, **AIM},
-        lambda place, frame, **turn: Swapped(place.node, looks_like(frame), lost, Turn(**turn)),
+        lambda place, frame, **aim: Swapped(place, looks_like(frame), lost, **aim),
     ),
-    "frame_corrupt": Kind(
+    "frame_corrupt": FaultType(
         "Bits of the data are inverted behind the CRC, as by a faulty controller or gateway.",
         "A value that cannot be: out of its limits, not plausible; an answer that is none.",
         {"bits": Parameter("how many of its bits", 1, int, low=1, high=64), **FRAME, **AIM},
-        lambda place, bits, frame, **turn: line(
-            place, corrupted(bits, turn["seed"]), frame, **turn
-        ),
+        lambda place, bits, frame, **aim: line(place, corrupted(bits, aim["seed"]), frame, **aim),
     ),
-    "error_passive": Kind(
+    "error_passive": FaultType(
         "The node is error passive: all it sends has to be repeated and comes late, in order.",
         "Irregular cycles of one node; EMCY 0x8120 if the device knows it (compose: emcy_storm).",
         {"seconds": Parameter("at most by how much, in s", 0.005, low=0), **AIM},
-        lambda place, seconds, **turn: Repeating(
-            place.node, anything, jittered(place.node.clock, seconds, turn["seed"]), Turn(**turn)
+        lambda place, seconds, **aim: Repeating(
+            place, anything, jittered(place, seconds, aim["seed"]), **aim
         ),
     ),
-    "bus_off": Kind(
+    "bus_off": FaultType(
         "The node is bus off: it neither sends nor hears, and goes on as it was after that.",
         "Silence, then heartbeats again without a boot-up: nothing of its state may be assumed.",
         {"seconds": Parameter("until it recovers, in s; 0: when cleared", 0.0, low=0)},
         BusOff,
     ),
-    "bus_load": Kind(
+    "bus_load": FaultType(
         "Frames of others take a share of the bus.",
         "Interrupts and queues that fill: no frame of this node may be lost.",
         {

@@ -33,14 +33,10 @@ def _scalar(value: object, kind: type) -> object:
         return value
     if isinstance(value, bool) or not isinstance(value, str if kind is str else (str, int, float)):
         raise TypeError(value)  # a number is no text: is it 4.20 or 4.2?
-    if kind is int:
-        return int(value, 0) if isinstance(value, str) else _whole(value)
+    if kind is int and isinstance(value, float) and not value.is_integer():
+        raise ValueError(value)
+    if kind is int and isinstance(value, str):
+        return int(value, 0)
     if kind is float and not isfinite(float(value)):
         raise ValueError(value)
     return kind(value)
-
-
-def _whole(number: float) -> int:
-    if not isfinite(number) or number != int(number):
-        raise ValueError(number)
-    return int(number)

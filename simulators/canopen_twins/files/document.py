@@ -1,5 +1,10 @@
-"""A file as values that know their place in it, and say what is wrong with them."""
+"""A YAML file as values that know their place in it, and everything that is wrong with them.
 
+Numbers are 16, 0x10 or 0.5, never 010. Only `true` and `false` are truth values: on, off, yes and
+no are words. Anchors, aliases and tags are refused.
+"""
+
+import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cached_property
@@ -8,14 +13,69 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 import yaml
+from yaml.composer import ComposerError
+from yaml.reader import ReaderError
 
 from canopen_twins.errors import UserError, unknown
-from canopen_twins.files.problems import Mistake, Noted, Problems
-from canopen_twins.files.yaml_nodes import Scalar, compose, read_text, scalar
 
+LARGEST_FILE = 256 * 1024  # bytes
 LONGEST_TIME = 86_400  # seconds: a day
 
 Meaning = TypeVar("Meaning")
+Scalar = int | float | bool | str | None
+
+
+class DocumentError(UserError):
+    """Everything that is wrong with a file: `lines`, each "file:line:column: what"."""
+
+    def __init__(self, lines: Collection[str]) -> None:
+        super().__init__("\n".join(lines))
+        self.lines = tuple(lines)
+
+
+class Mistake(UserError):  # noqa: N818 - of the user's, not of ours
+    """Something wrong at a place of the file."""
+
+    def __init__(self, mark: yaml.Mark, text: str) -> None:
+        super().__init__(text)
+        self.mark = mark
+
+
+class Reported(UserError):  # noqa: N818 - likewise
+    """What is wrong is among the problems already; there is nothing to go on with."""
+
+
+class Problems:
+    """What has been found wrong with a file so far, so that all of it is told at once."""
+
+    def __init__(self, file: Path) -> None:
+        self._file = file
+        self._found: set[tuple[int, int, str]] = set()
+
+    @property
+    def none(self) -> bool:
+        """Whether nothing has been found."""
+        return not self._found
+
+    @property
+    def error(self) -> DocumentError:
+        """All of them, in the order of the file."""
+        places = sorted(self._found)
+        return DocumentError([f"{self._file}:{line}:{col}: {text}" for line, col, text in places])
+
+    def add(self, refusal: UserError, place: yaml.Mark) -> None:
+        """Take something that is wrong; what knows no place is blamed on this one."""
+        mark = refusal.mark if isinstance(refusal, Mistake) else place
+        if not isinstance(refusal, Reported):
+            self._found.add((mark.line + 1, mark.column + 1, str(refusal)))
+
+    @contextmanager
+    def at(self, place: "Item") -> Iterator[None]:
+        """Take what is wrong inside, and go on behind."""
+        try:
+            yield
+        except UserError as refusal:
+            self.add(refusal, place.mark)
 
 
 class Pair(NamedTuple):
@@ -46,7 +106,7 @@ class Item:
         """What goes wrong inside and knows no place is a mistake at this one."""
         try:
             yield
-        except (Mistake, Noted):
+        except (Mistake, Reported):
             raise
         except UserError as refusal:
             raise self.wrong(str(refusal)) from refusal
@@ -86,6 +146,12 @@ class Item:
             raise self.wrong(f"{self.text} is no whole number, such as 16 or 0x10")
         return value
 
+    def whole_up_to(self, highest: int) -> int:
+        """One whole number out of a range that begins with 0."""
+        if not 0 <= (value := self.whole) <= highest:
+            raise self.wrong(f"{self.text} is not in 0..{highest:#x}")
+        return value
+
     @property
     def truth(self) -> bool:
         """One truth value."""
@@ -96,15 +162,15 @@ class Item:
     @property
     def seconds(self) -> float:
         """A time."""
-        if not 0 <= self.number <= LONGEST_TIME:
+        if not 0 <= (value := self.number) <= LONGEST_TIME:
             raise self.wrong(f"{self.text} s is not in 0..{LONGEST_TIME} s")
-        return float(self.number)
+        return float(value)
 
-    def whole_up_to(self, highest: int) -> int:
-        """One whole number out of a range that begins with 0."""
-        if not 0 <= self.whole <= highest:
-            raise self.wrong(f"{self.text} is not in 0..{highest:#x}")
-        return self.whole
+    def one_of(self, what: str, known: Collection[str]) -> str:
+        """One word out of several."""
+        if (text := self.text) not in known:
+            raise self.wrong(str(unknown(what, text, known)))
+        return text
 
     @property
     def items(self) -> list["Item"]:
@@ -137,13 +203,6 @@ class Item:
             return [item.content for item in self.items]
         return self.value
 
-    def one_of(self, what: str, known: Collection[str]) -> str:
-        """One word out of several."""
-        with self.blamed():
-            if self.text not in known:
-                raise unknown(what, self.text, known)
-        return self.text
-
     @property
     def _scalar(self) -> yaml.ScalarNode:
         if not isinstance(self.node, yaml.ScalarNode):
@@ -151,38 +210,30 @@ class Item:
         return self.node
 
 
-def read(path: Path, problems: Problems) -> Item:
-    """The outermost value of a file.
-
-    Raises:
-        DocumentError: it cannot be read, is too large, or is no YAML.
-    """
-    text = read_text(path)
-    try:
-        return Item(compose(text), problems)
-    except Mistake as mistake:
-        problems.add(mistake.mark, str(mistake))
-        problems.settle()
-        raise
-
-
 def understand(path: Path, mean: Callable[[Item], Meaning]) -> Meaning:
-    """What a file means; `mean` may note what is wrong as problems, and go on.
+    """What a file means; `mean` may put what is wrong among the problems of an item, and go on.
 
     Raises:
-        DocumentError: with a line for everything that is wrong, each with its place.
+        DocumentError: with a line for everything that is wrong, each with its place; the file
+            cannot be read, is too large, or is no YAML.
     """
-    problems = Problems(str(path))
-    with problems.at(item := read(path, problems)):
+    text, problems = _text(path), Problems(path)
+    try:
+        item = Item(compose(text), problems)
+    except Mistake as mistake:
+        problems.add(mistake, mistake.mark)
+        raise problems.error from mistake
+    with problems.at(item):
         meaning = mean(item)
-    problems.settle()
+    if not problems.none:
+        raise problems.error
     return meaning
 
 
 def values(
     table: Item, known: Mapping[str, Callable[[Item], Any]], optional: Collection[str] = ()
 ) -> dict[str, Any]:
-    """What stands behind the keys; notes as problems which are unknown, missing or wrong.
+    """What stands behind the keys; keys that are unknown, missing or wrong become problems.
 
     Args:
         table: Keys with their values.
@@ -190,7 +241,7 @@ def values(
         optional: Those that may be left out.
 
     Raises:
-        Noted: something was wrong.
+        UserError: something was wrong.
     """
     taken = {}
     for name, pair in table.pairs.items():
@@ -199,10 +250,121 @@ def values(
                 raise unknown("key", name, known)
             taken[name] = known[name](pair.value)
     missing = [name for name in known if name not in {*table.pairs, *optional}]
-    with table.problems.at(table):
-        if missing:
-            verb = "is" if len(missing) == 1 else "are"
-            raise UserError(f"{', '.join(map(repr, missing))} {verb} missing")
-    if missing or len(taken) < len(table.pairs):
-        raise Noted
+    if missing:
+        verb = "is" if len(missing) == 1 else "are"
+        raise table.wrong(f"{', '.join(map(repr, missing))} {verb} missing")
+    if len(taken) < len(table.pairs):
+        raise Reported
     return taken
+
+
+FASTEST = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # libyaml, where there is one
+DEEPEST = 256  # levels; whoever walks down them recurses
+
+
+def nodes(text: str, parser: Any = FASTEST) -> yaml.Node | None:
+    """The node of a whole text, without tags; None of nothing but comments.
+
+    Raises:
+        yaml.YAMLError: it is no YAML of ours.
+        RecursionError: it is nested too deeply.
+    """
+    events = yaml.parse(text, parser)
+    next(events)  # the stream starts
+    if isinstance(next(events), yaml.StreamEndEvent):
+        return None
+    node = _node(next(events), events, DEEPEST)
+    next(events)  # the document ends
+    end: Any = next(events)
+    if not isinstance(end, yaml.StreamEndEvent):
+        problem = "expected a single document in the stream, but found another document"
+        raise ComposerError(None, None, problem, end.start_mark)
+    return node
+
+
+def _node(event: Any, events: Iterator[Any], levels: int) -> yaml.Node:
+    mark: Any = event.start_mark
+    if isinstance(event, yaml.AliasEvent) or event.anchor is not None:
+        problem = "there are no anchors and aliases here: write it out"
+        raise ComposerError(None, None, problem, mark)
+    if event.tag is not None:
+        raise ComposerError(None, None, f"there are no tags here: leave {event.tag!r} out", mark)
+    if isinstance(event, yaml.ScalarEvent):
+        return yaml.ScalarNode("", event.value, mark, style=event.style)
+    if not levels:
+        raise RecursionError
+    inner: list[yaml.Node] = []
+    while not isinstance(child := next(events), yaml.CollectionEndEvent):
+        inner.append(_node(child, events, levels - 1))
+    if isinstance(event, yaml.SequenceStartEvent):
+        return yaml.SequenceNode("", inner, mark)
+    return yaml.MappingNode("", [*zip(inner[::2], inner[1::2], strict=True)], mark)
+
+
+def _text(path: Path) -> str:
+    try:
+        with path.open("rb") as file:
+            content = file.read(LARGEST_FILE + 1)
+        text = content.decode("utf-8-sig")
+    except OSError as failure:
+        raise DocumentError([f"{path}: {failure.strerror}"]) from failure
+    except UnicodeDecodeError as failure:
+        raise DocumentError([f"{path}: no UTF-8 text"]) from failure
+    if len(content) > LARGEST_FILE:
+        raise DocumentError([f"{path}: larger than {LARGEST_FILE} bytes"])
+    return text
+
+
+def compose(text: str) -> yaml.Node:
+    """The node of a whole file.
+
+    Raises:
+        Mistake: it is no YAML of ours, empty, or nested too deeply.
+    """
+    try:
+        try:
+            node = nodes(text)
+        except yaml.YAMLError:  # Python's parser tells better what is wrong, and where
+            node = nodes(text, yaml.SafeLoader)
+    except yaml.MarkedYAMLError as failure:
+        what = ", ".join(filter(None, (failure.context, failure.problem)))
+        raise Mistake(failure.problem_mark or _mark(text, 0), what) from failure
+    except ReaderError as failure:
+        raise Mistake(_mark(text, failure.position), failure.reason) from failure
+    except RecursionError:
+        raise Mistake(_mark(text, 0), "nested too deeply; five levels are enough") from None
+    if node is None:
+        raise Mistake(_mark(text, 0), "an empty file; the first line is version: 1")
+    return node
+
+
+LOOKS: tuple[tuple[re.Pattern[str], Callable[[str], Scalar]], ...] = (
+    (re.compile(r"[-+]?(0|[1-9][0-9]{0,18})|0x[0-9A-Fa-f]{1,16}"), lambda text: int(text, 0)),
+    (re.compile(r"[-+]?(0|[1-9][0-9]*)(\.[0-9]+)?([eE][-+]?[0-9]+)?"), float),
+    (re.compile(r"true|false"), lambda text: text == "true"),
+    (re.compile(r"null|~|"), lambda _: None),
+)
+"""What a scalar without quotes looks like, and how it is taken; all else is a text."""
+DECEPTIVE = re.compile(r"[-+]?(0[0-9]+|[0-9][0-9_]*_[0-9_]*|0[bo][0-9]+)(\.[0-9]*)?")
+
+
+def scalar(node: yaml.ScalarNode) -> Scalar:
+    """The value of a node as what it looks like.
+
+    Raises:
+        Mistake: a number that would not be the same to everybody.
+    """
+    text: str = node.value
+    if node.style:
+        return text
+    if DECEPTIVE.fullmatch(text):
+        raise Mistake(
+            node.start_mark,
+            f"{text} may be taken for different numbers: write 16, 0x10 or 0.5, or a 'text'",
+        )
+    return next((take(text) for look, take in LOOKS if look.fullmatch(text)), text)
+
+
+def _mark(text: str, position: int) -> yaml.Mark:
+    *_, line = text[:position].rpartition("\n")
+    return yaml.Mark("", position, text.count("\n", 0, position), len(line), None, 0)

@@ -18,11 +18,8 @@ def scenario_file(name: str) -> AbstractContextManager[Path]:
 
 def scenarios() -> dict[str, Traversable]:
     """The scenarios that are shipped, by file name."""
-    return {
-        entry.name: entry
-        for entry in sorted(_folder("scenarios").iterdir(), key=lambda entry: entry.name)
-        if entry.name.endswith(".yaml")
-    }
+    entries = sorted(_folder("scenarios").iterdir(), key=lambda entry: entry.name)
+    return {entry.name: entry for entry in entries if entry.name.endswith(".yaml")}
 
 
 def _folder(name: str) -> Traversable:

@@ -1,4 +1,4 @@
-"""Files that are there whole, or as they were before."""
+"""Files and folders that are there whole, or as they were before; and files that one run holds."""
 
 import os
 import shutil
@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import IO
 
 from canopen_twins.errors import UserError
+
+PART = ".part"
 
 
 def write_whole(path: Path, text: str) -> None:
@@ -36,9 +38,6 @@ def write_whole(path: Path, text: str) -> None:
         raise
 
 
-SUFFIX = ".part"
-
-
 @contextmanager
 def file_part(path: Path) -> Iterator[Path]:
     """A name to write to, which is there as `path` at the end.
@@ -49,8 +48,8 @@ def file_part(path: Path) -> Iterator[Path]:
     Raises:
         UserError: it cannot be written there.
     """
-    part = _beside(path)
-    with _told(path):
+    part = _beside(path, PART)
+    with _writing(path):
         if path.is_dir():
             raise UserError(f"{path} is a directory")
         part.touch()
@@ -59,7 +58,7 @@ def file_part(path: Path) -> Iterator[Path]:
     except UserError:
         part.unlink()
         raise
-    with _told(path):
+    with _writing(path):
         part.replace(path)
 
 
@@ -72,8 +71,8 @@ def folder_part(path: Path) -> Iterator[Path]:
     Raises:
         UserError: something is there already, also as a part, or it cannot be written.
     """
-    part = _beside(path)
-    with _told(path):
+    part = _beside(path, PART)
+    with _writing(path):
         if path.exists() and (not path.is_dir() or any(path.iterdir())):
             raise UserError(f"{path} exists: a record has a directory of its own")
         if part.exists():
@@ -84,36 +83,10 @@ def folder_part(path: Path) -> Iterator[Path]:
     except UserError:
         shutil.rmtree(part)
         raise
-    with _told(path):
+    with _writing(path):
         if path.exists():
             path.rmdir()
         part.replace(path)
-
-
-def _beside(path: Path) -> Path:
-    path = path.absolute()  # `.` has no name
-    return path.with_name(path.name + SUFFIX)
-
-
-@contextmanager
-def _told(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except OSError as failure:
-        raise UserError(f"{path} cannot be written: {failure.strerror}") from failure
-
-
-if sys.platform == "win32":
-    import msvcrt
-
-    def _take(file: IO[str]) -> None:
-        msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
-
-else:
-    import fcntl
-
-    def _take(file: IO[str]) -> None:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
 @contextmanager
@@ -125,14 +98,37 @@ def held(path: Path) -> Iterator[None]:
     Raises:
         UserError: another process holds it, or the directory cannot be written.
     """
-    lock = path.with_name(path.name + ".lock")
-    try:
-        file = lock.open("w")
-    except OSError as failure:
-        raise UserError(f"{path} cannot be kept there: {failure.strerror}") from failure
+    with _writing(path, "kept there"):
+        file = _beside(path, ".lock").open("w")
     with file:
         try:
-            _take(file)
+            _lock(file)
         except OSError:
             raise UserError(f"{path} belongs to another run") from None
         yield
+
+
+def _beside(path: Path, suffix: str) -> Path:
+    path = path.absolute()  # `.` has no name
+    return path.with_name(path.name + suffix)
+
+
+@contextmanager
+def _writing(path: Path, how: str = "written") -> Iterator[None]:
+    try:
+        yield
+    except OSError as failure:
+        raise UserError(f"{path} cannot be {how}: {failure.strerror}") from failure
+
+
+if sys.platform == "win32":
+    import msvcrt
+
+    def _lock(file: IO[str]) -> None:
+        msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+
+else:
+    import fcntl
+
+    def _lock(file: IO[str]) -> None:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)

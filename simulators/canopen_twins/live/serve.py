@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
-from canopen_twins.live.line import Line, OpenBus
+from canopen_twins.live.bus import OpenBus, ReopenedBus
 
 log = logging.getLogger(__name__)
 
@@ -28,30 +28,30 @@ def serve(
     Raises:
         UserError: the bus cannot be opened at the start.
     """
-    line = Line(open_bus)
-    segment.listeners.append(line.transmit)
+    bus = ReopenedBus(open_bus)
+    segment.listeners.append(bus.transmit)
     try:
         segment.deliver()
         if ready is not None:
             ready()
-        drive(segment, line, stopped)
+        drive(segment, bus, stopped)
     finally:
-        segment.listeners.remove(line.transmit)
-        line.close()
+        segment.listeners.remove(bus.transmit)
+        bus.close()
 
 
 def drive(
     segment: Segment[Node],
-    line: Line,
+    bus: ReopenedBus,
     stopped: Callable[[], bool],
     wall: Callable[[], float] = time.monotonic,
 ) -> None:
-    """Let a segment keep pace with the seconds of `wall` and hear what comes over a line.
+    """Let a segment keep pace with the seconds of `wall` and hear what comes over a bus.
 
     The clock goes on by one deadline at a time: a model that is late leaves room for frames. After
     a gap, as of a suspended process, it goes on from where it stood.
     """
-    clock, receive, advance_to, send = segment.clock, line.receive, segment.advance_to, segment.send
+    clock, receive, advance_to, send = segment.clock, bus.receive, segment.advance_to, segment.send
     reached = clock.now
     origin = wall() - reached
     while not stopped():

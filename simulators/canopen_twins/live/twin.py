@@ -11,7 +11,7 @@ from typing import Any
 import can
 
 from canopen_twins import devices
-from canopen_twins.bench.twin import ORDERS, Twin
+from canopen_twins.bench.twin import ORDERS, QUESTIONS, Twin
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Record, Segment
 from canopen_twins.device.node import Node
@@ -51,23 +51,27 @@ class LiveTwin(Twin, AbstractContextManager["LiveTwin"]):
     ) -> None:
         self._end()
 
-    def order(self, word: str, *arguments: Any) -> Any:
-        """By the thread of the twin.
+    def order(self, word: str, *arguments: Any) -> None:
+        """By the thread of the twin; raises `RuntimeError` if that has stopped."""
 
-        Raises:
-            UserError: as the order does.
-            RuntimeError: the thread has stopped.
-        """
+        def act() -> None:
+            ORDERS[word](self._node, *arguments)
+            self._segment.deliver()
+
+        self._have_done(act)
+
+    def ask(self, word: str, *arguments: Any) -> Any:
+        """By the thread of the twin, too, as the model is not to be seen half-way."""
+        return self._have_done(lambda: QUESTIONS[word](self._node, *arguments))
+
+    def _have_done(self, action: Callable[[], Any]) -> Any:
         done: SimpleQueue[tuple[Any, Exception | None]] = SimpleQueue()
 
         def carry_out() -> None:
             try:
-                outcome = ORDERS[word](self._node, *arguments)
-                self._segment.deliver()
+                done.put((action(), None))
             except Exception as refusal:
                 done.put((None, refusal))
-            else:
-                done.put((outcome, None))
 
         if not self._thread.is_alive():
             raise RuntimeError(f"{self._thread.name} has stopped") from self._bug

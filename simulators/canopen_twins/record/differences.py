@@ -1,9 +1,9 @@
-"""Where two sequences begin to differ: read side by side, with little of them in memory."""
+"""Where two runs begin to differ, in words: read side by side, with little of them in memory."""
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import islice
@@ -12,22 +12,96 @@ from typing import Generic, NamedTuple, TypeVar
 
 from canopen_twins.bus.clock import MICROSECONDS
 from canopen_twins.bus.segment import Segment
-from canopen_twins.device.node import Node
+from canopen_twins.device.node import Node, wait_for_boot
 from canopen_twins.diagnosis.decoder import Decoder
 from canopen_twins.errors import UserError
 from canopen_twins.faults import connect
-from canopen_twins.record.about import About
-from canopen_twins.record.events import HEARD, EventLine
-from canopen_twins.record.recorded import Recorded
+from canopen_twins.record.folder import Recorded
+from canopen_twins.record.journal import HEARD, EventLine
+from canopen_twins.record.manifest import Manifest
 from canopen_twins.record.trace import TimedFrame, read_frames
 
 BEFORE, AHEAD = 5, 50  # kept before the difference, and read on behind it
+LAST_EVENTS = 5  # told of each side
+LONGEST = 120  # characters of a value
+WIDTH = 8  # of the name of a side
 
 Item = TypeVar("Item")
 
 
+@dataclass(frozen=True)
+class Side:
+    """One of two runs, called `name` in what is told."""
+
+    name: str
+    recorded: Recorded | None
+    trace: Path
+
+    @classmethod
+    def of(cls, name: str, path: Path) -> Side:
+        """A record, if it is a directory.
+
+        Raises:
+            UserError: it is neither a record nor a file.
+        """
+        if path.is_dir():
+            recorded = Recorded(path)
+            return cls(name, recorded, recorded.trace)
+        return cls(name, None, path)
+
+    def tell(self, sent: TimedFrame) -> str:
+        """A frame with its time, in words as far as the devices are known."""
+        words = self._decoder.words(sent.frame)
+        return f"{sent.tick / MICROSECONDS:12.6f}  {sent.frame!s:21}  {words}".rstrip()
+
+    def last_events(self, tick: int | None) -> Iterable[EventLine]:
+        """Those up to a moment, or to the end; what came from outside is no news."""
+        last: deque[EventLine] = deque(maxlen=LAST_EVENTS)
+        for event in self.recorded.events if self.recorded else ():
+            if tick is not None and event.time * MICROSECONDS > tick:
+                break
+            if event.kind != HEARD:
+                last.append(event)
+        return last
+
+    @cached_property
+    def _decoder(self) -> Decoder:
+        """With the dictionaries that the devices of a record have after a boot."""
+        segment: Segment[Node] = Segment()
+        try:
+            for node in self.recorded.manifest.nodes if self.recorded else ():
+                connect(segment, node.create(), node.name)
+        except UserError:  # a record of devices that are here no more still has its frames
+            return Decoder([])
+        for connected in segment.nodes:
+            connected.power_on()
+        wait_for_boot(segment.nodes, segment.advance)
+        return Decoder(segment.nodes)
+
+
+def differences(left: Side, right: Side) -> tuple[bool, str]:
+    """Whether two runs are the same, and what there is to say about it.
+
+    Raises:
+        UserError: one of them cannot be read to its end.
+    """
+    frames = compare(read_frames(left.trace), read_frames(right.trace))
+    if frames:
+        return False, "\n".join(_frames(frames, left, right))
+    told = f"the same {_count(frames.common, 'frame')}"
+    if left.recorded is None or right.recorded is None:
+        return True, told
+    events = compare(left.recorded.events, right.recorded.events)
+    if events:
+        told = f"{told}, but event {events.common + 1} is another one:"
+        lines = [*_events(events, left, right), *_inputs(left, right)]
+        return False, "\n".join([told, *lines])
+    told = f"{told} and {_count(events.common, 'event')}"
+    return True, "\n".join([told, *_inputs(left, right)])
+
+
 class Difference(NamedTuple, Generic[Item]):
-    """The first difference, and what is around it."""
+    """The first difference of two sequences, and what is around it."""
 
     common: int
     """How many are the same on both sides."""
@@ -48,186 +122,31 @@ def compare(left: Iterable[Item], right: Iterable[Item]) -> Difference[Item]:
     ours, theirs = iter(left), iter(right)
     before: deque[Item] = deque(maxlen=BEFORE)
     common = 0
-    for one, other in _pairs(ours, theirs):
-        if one != other:
-            return Difference(common, tuple(before), _ahead(one, ours), _ahead(other, theirs))
+    while (one := tuple(islice(ours, 1))) == (other := tuple(islice(theirs, 1))) != ():
         before.extend(one)
         common += 1
-    return Difference(common, tuple(before), (), ())
-
-
-def _pairs(
-    left: Iterator[Item], right: Iterator[Item]
-) -> Iterator[tuple[tuple[Item, ...], tuple[Item, ...]]]:
-    """One of each, in tuples that are empty where a side has ended."""
-    while True:
-        pair = tuple(islice(left, 1)), tuple(islice(right, 1))
-        if not any(pair):
-            return
-        yield pair
-
-
-def _ahead(first: tuple[Item, ...], rest: Iterator[Item]) -> tuple[Item, ...]:
-    return (*first, *islice(rest, AHEAD))
-
-
-LONGEST = 120  # characters of a value
-
-
-def other_inputs(left: Side, right: Side) -> Iterator[str]:
-    """A line for each: versions, seed, devices, settings, the scenario."""
-    if left.recorded is None or right.recorded is None:
-        return
-    ours, theirs = _flat(left.recorded.about), _flat(right.recorded.about)
-    for name in sorted(ours.keys() | theirs.keys()):
-        one, other = ours.get(name, "none"), theirs.get(name, "none")
-        if one != other:
-            yield f"{name}: {_short(one)} in {left.name}, {_short(other)} in {right.name}"
-    yield from _scenarios(left.recorded, right.recorded)
-
-
-def _flat(about: About) -> Mapping[str, str]:
-    """The content of a run.json by the names of its leaves."""
-    content = about.model_dump(include={"kind", "scenario", "seed"})
-    flat = {name: _word(value) for name, value in content.items()}
-    flat |= {f"version of {name}": number for name, number in about.versions.items()}
-    flat |= {f"content of {name}": digest for name, digest in about.files.items()}
-    for node in about.nodes:
-        flat[f"device of {node.name}"] = node.device
-        flat[f"memory of {node.name}"] = _word(node.memory)
-        flat |= {f"{key} of {node.name}": _word(each) for key, each in node.settings.items()}
-    return flat
-
-
-def _word(value: object) -> str:
-    return "none" if value is None else str(value)
-
-
-def _short(text: str) -> str:
-    return text if len(text) <= LONGEST else f"{text[:LONGEST]}..."
-
-
-def _scenarios(left: Recorded, right: Recorded) -> Iterator[str]:
-    """The first line of the files that is another one."""
-    if left.about.scenario is None or right.about.scenario is None:
-        return
-    lines = [side.scenario.read_bytes().splitlines() for side in (left, right)]
-    if found := compare(*lines):
-        place = f"line {found.common + 1} of the scenario"
-        yield f"{place}: {_one_line(found.left)} / {_one_line(found.right)}"
-
-
-def _one_line(lines: tuple[bytes, ...]) -> str:
-    return repr(_short(lines[0].decode("utf-8", "replace"))) if lines else "none"
-
-
-LONGEST_BOOT, GRAIN = 5.0, 0.1  # seconds
-TOLD = 5  # events
-
-
-@dataclass(frozen=True)
-class Side:
-    """Called `name` in what is told."""
-
-    name: str
-    recorded: Recorded | None
-    trace: Path
-
-    @classmethod
-    def of(cls, name: str, path: Path) -> Side:
-        """A record, if it is a directory.
-
-        Raises:
-            UserError: it is neither a record nor a file.
-        """
-        if path.is_dir():
-            recorded = Recorded(path)
-            return cls(name, recorded, recorded.trace)
-        return cls(name, None, path)
-
-    @property
-    def frames(self) -> Iterator[TimedFrame]:
-        """Raises `UserError` where they cannot be read."""
-        return read_frames(self.trace)
-
-    def tell(self, sent: TimedFrame) -> str:
-        """A frame with its time, in words as far as the devices are known."""
-        words = self._decoder.words(sent.frame)
-        return f"{sent.tick / MICROSECONDS:12.6f}  {sent.frame!s:21}  {words}".rstrip()
-
-    def happened(self, tick: int | None) -> tuple[EventLine, ...]:
-        """The last events up to a moment, or to the end; what came from outside is no news."""
-        last: deque[EventLine] = deque(maxlen=TOLD)
-        for event in self.recorded.events if self.recorded else ():
-            if tick is not None and event.time * MICROSECONDS > tick:
-                break
-            if event.kind != HEARD:
-                last.append(event)
-        return tuple(last)
-
-    @cached_property
-    def _decoder(self) -> Decoder:
-        """With the dictionaries that the devices of a record have after a boot."""
-        segment: Segment[Node] = Segment()
-        try:
-            for part in self.recorded.about.nodes if self.recorded else ():
-                connect(segment, part.create(), part.name)
-        except UserError:  # a record of devices that are here no more still has its frames
-            return Decoder([])
-        for node in segment.nodes:
-            node.power_on()
-        while segment.clock.now < LONGEST_BOOT and any(
-            node.slave is None for node in segment.nodes
-        ):
-            segment.advance(GRAIN)
-        return Decoder(segment.nodes)
-
-
-WIDTH = 8  # of the name of a side
-
-
-def differences(left: Side, right: Side) -> tuple[bool, str]:
-    """Whether two runs are the same, and what there is to say about it.
-
-    Raises:
-        UserError: one of them cannot be read to its end.
-    """
-    frames = compare(left.frames, right.frames)
-    if frames:
-        return False, "\n".join(_frames(frames, left, right))
-    told = f"the same {_count(frames.common, 'frame')}"
-    if left.recorded is None or right.recorded is None:
-        return True, told
-    events = compare(left.recorded.events, right.recorded.events)
-    if events:
-        lines = [f"{told}, but event {events.common + 1} is another one:"]
-        lines += [*_events(events, left, right), *_others(left, right)]
-        return False, "\n".join(lines)
-    told = f"{told} and {_count(events.common, 'event')}"
-    return True, "\n".join([told, *_others(left, right)])
+    ahead = (*one, *islice(ours, AHEAD)), (*other, *islice(theirs, AHEAD))
+    return Difference(common, tuple(before), *ahead)
 
 
 def _frames(found: Difference[TimedFrame], left: Side, right: Side) -> Iterator[str]:
-    yield _same(found.common)
+    are = "is" if found.common == 1 else "are"
+    same = f"the first {_count(found.common, 'frame')} {are} the same:"
+    yield same if found.common else "not even the first frame is the same:"
     for sent in found.before:
         yield _line("", left.tell(sent))
-    for side, sents in ((left, found.left), (right, found.right)):
+    sides = (left, found.left), (right, found.right)
+    for side, sents in sides:
         yield _line(side.name, side.tell(sents[0]) if sents else "     no more frames")
-    yield _what(found, left.name, right.name)
-    yield from _others(left, right)
-    for side, sents in ((left, found.left), (right, found.right)):
-        events = side.happened(sents[0].tick if sents else None)
+    yield _change(found, left.name, right.name)
+    yield from _inputs(left, right)
+    for side, sents in sides:
+        events = side.last_events(sents[0].tick if sents else None)
         yield from _block(f"what happened in {side.name}:", map(str, events))
 
 
-def _same(common: int) -> str:
-    if not common:
-        return "not even the first frame is the same:"
-    return f"the first {_count(common, 'frame')} {'is' if common == 1 else 'are'} the same:"
-
-
-def _what(found: Difference[TimedFrame], left: str, right: str) -> str:
-    """What is another one there."""
+def _change(found: Difference[TimedFrame], left: str, right: str) -> str:
+    """Whether frames are missing, or more, or which one is another there."""
     ours, theirs = found.left, found.right
     if not ours or not theirs:
         ended, going = (left, right) if theirs else (right, left)
@@ -236,10 +155,10 @@ def _what(found: Difference[TimedFrame], left: str, right: str) -> str:
         if rest[0] in more:
             count = more.index(rest[0])
             return f"{who} has {_count(count, 'frame')} more, then the other goes on like it"
-    return _change(ours[0], theirs[0], left, right)
+    return _other_frame(ours[0], theirs[0], left, right)
 
 
-def _change(one: TimedFrame, other: TimedFrame, left: str, right: str) -> str:
+def _other_frame(one: TimedFrame, other: TimedFrame, left: str, right: str) -> str:
     """Of two frames, neither of which comes on the other side."""
     late = abs(one.tick - other.tick) / MICROSECONDS
     later = f", {late:.6f} s later in {right if other.tick > one.tick else left}" if late else ""
@@ -247,15 +166,13 @@ def _change(one: TimedFrame, other: TimedFrame, left: str, right: str) -> str:
         return f"the same frame{later}"
     if one.frame.can_id != other.frame.can_id or len(one.frame.data) != len(other.frame.data):
         return f"another frame{later}"
-    pairs = enumerate(zip(one.frame.data, other.frame.data, strict=True))
     others = [
         f"byte {place} is {a:02X} in {left}, {b:02X} in {right}"
-        for place, (a, b) in pairs
+        for place, (a, b) in enumerate(zip(one.frame.data, other.frame.data, strict=True))
         if a != b
     ]
-    return (
-        f"other data{later}: {', '.join(others)}" if others else f"a frame of another kind{later}"
-    )
+    what = f"other data{later}: {', '.join(others)}"
+    return what if others else f"a frame of another kind{later}"
 
 
 def _events(found: Difference[EventLine], left: Side, right: Side) -> Iterator[str]:
@@ -265,8 +182,49 @@ def _events(found: Difference[EventLine], left: Side, right: Side) -> Iterator[s
         yield _line(side.name, str(events[0]) if events else "     no more events")
 
 
-def _others(left: Side, right: Side) -> Iterator[str]:
-    return _block("what is not the same from the beginning:", other_inputs(left, right))
+def _inputs(left: Side, right: Side) -> Iterator[str]:
+    """What two records were made of: versions, seed, devices, settings, the scenario."""
+    if left.recorded is None or right.recorded is None:
+        return
+    ours, theirs = _leaves(left.recorded.manifest), _leaves(right.recorded.manifest)
+    pairs = {name: (ours.get(name, "none"), theirs.get(name, "none")) for name in ours | theirs}
+    lines = [
+        f"{name}: {_short(one)} in {left.name}, {_short(other)} in {right.name}"
+        for name, (one, other) in sorted(pairs.items())
+        if one != other
+    ]
+    lines += _other_line(left.recorded, right.recorded)
+    yield from _block("what is not the same from the beginning:", lines)
+
+
+def _leaves(manifest: Manifest) -> dict[str, str]:
+    """What it says, each value by a name of its own."""
+    leaves: dict[str, object] = manifest.model_dump(include={"kind", "scenario", "seed"})
+    leaves |= {f"version of {name}": number for name, number in manifest.versions.items()}
+    leaves |= {f"content of {name}": digest for name, digest in manifest.files.items()}
+    for node in manifest.nodes:
+        leaves[f"device of {node.name}"] = node.device
+        leaves[f"memory of {node.name}"] = node.memory
+        leaves |= {f"{key} of {node.name}": value for key, value in node.settings.items()}
+    return {name: "none" if value is None else str(value) for name, value in leaves.items()}
+
+
+def _other_line(left: Recorded, right: Recorded) -> Iterator[str]:
+    """The first line of the scenarios that is another one."""
+    if left.manifest.scenario is None or right.manifest.scenario is None:
+        return
+    found = compare(*(side.scenario.read_bytes().splitlines() for side in (left, right)))
+    if found:
+        place = f"line {found.common + 1} of the scenario"
+        yield f"{place}: {_first(found.left)} / {_first(found.right)}"
+
+
+def _first(lines: tuple[bytes, ...]) -> str:
+    return repr(_short(lines[0].decode("utf-8", "replace"))) if lines else "none"
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]}..."
 
 
 def _block(title: str, lines: Iterable[str]) -> Iterator[str]:

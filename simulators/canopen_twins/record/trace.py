@@ -1,11 +1,11 @@
-"""The frames of a record or of a trace file, one after the other."""
+"""Trace files in the formats of python-can: read frame by frame, or written during a run."""
 
 import gzip
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from io import TextIOWrapper
 from pathlib import Path
-from typing import IO, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import can
 from can.io.generic import BinaryIOMessageReader, MessageWriter, TextIOMessageReader
@@ -13,6 +13,7 @@ from can.io.player import MESSAGE_READERS
 
 from canopen_twins.bus.clock import microseconds
 from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.python_can import frame_of, message_of
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
@@ -21,6 +22,15 @@ from canopen_twins.scenario import Player
 
 PACKED = ".gz"
 LONGEST_LINE = 1 << 16  # characters
+CHANNEL = "can0"
+READERS = {
+    suffix: reader
+    for suffix, reader in MESSAGE_READERS.items()
+    if issubclass(reader, (TextIOMessageReader, BinaryIOMessageReader))
+}
+
+Observer = Callable[[Segment[Node], Player | None], None]
+"""Called before a run begins, with the bus and who plays the scenario on it, if there is one."""
 
 
 class TimedFrame(NamedTuple):
@@ -29,6 +39,28 @@ class TimedFrame(NamedTuple):
     tick: int
     """Microseconds."""
     frame: Frame
+
+
+def read_frames(path: Path) -> Iterator[TimedFrame]:
+    """What a trace file holds, packed or not, without error frames.
+
+    Raises:
+        UserError: it is no trace file, or it cannot be read; only when the frames are taken.
+    """
+    suffixes = [suffix.lower() for suffix in path.suffixes if suffix != PACKED]
+    if not suffixes or suffixes[-1] not in READERS:
+        raise UserError(f"{path} is no trace file: its name ends in {', '.join(READERS)}")
+    if not path.is_file():
+        raise UserError(f"{path} is not there")
+    reader = READERS[suffixes[-1]]
+    try:
+        with gzip.open(path) if path.suffix == PACKED else path.open("rb") as packed:
+            is_text = issubclass(reader, TextIOMessageReader)
+            file: Any = Lines(packed, "utf-8") if is_text else packed
+            yield from (_timed(each) for each in reader(file) if not each.is_error_frame)
+    except Exception as damage:  # whatever a reader of python-can stumbles over
+        reason = str(damage) or type(damage).__name__
+        raise UserError(f"{path} cannot be read as {suffixes[-1]}: {reason}") from damage
 
 
 class Lines(TextIOWrapper):
@@ -43,56 +75,40 @@ class Lines(TextIOWrapper):
         return line
 
 
-READERS = {
-    suffix: kind
-    for suffix, kind in MESSAGE_READERS.items()
-    if issubclass(kind, (TextIOMessageReader, BinaryIOMessageReader))
-}
+def _timed(message: can.Message) -> TimedFrame:
+    return TimedFrame(microseconds(message.timestamp), frame_of(message))
 
 
-def read_frames(path: Path) -> Iterator[TimedFrame]:
-    """What a trace file of a format of python-can holds, packed or not, without error frames.
+@contextmanager
+def trace_file(path: Path) -> Iterator[Observer]:
+    """Writes every frame of a bus to a file, with the seconds of the bus as its time.
+
+    What twins send goes out (Tx), everything else comes in (Rx).
 
     Raises:
-        UserError: it is no trace file, or it cannot be read; only when the frames are taken.
+        UserError: a suffix that stands for no format, or a file that cannot be written.
     """
-    suffixes = [suffix.lower() for suffix in path.suffixes if suffix != PACKED]
-    if not suffixes or suffixes[-1] not in READERS:
-        raise UserError(f"{path} is no trace file: its name ends in {', '.join(READERS)}")
-    if not path.is_file():
-        raise UserError(f"{path} is not there")
-    kind = READERS[suffixes[-1]]
-    try:
-        with _opened(path) as packed:
-            file: Any = Lines(packed, "utf-8") if issubclass(kind, TextIOMessageReader) else packed
-            yield from (_sent(each) for each in kind(file) if not each.is_error_frame)
-    except Exception as damage:  # whatever a reader of python-can stumbles over
-        reason = str(damage) or type(damage).__name__
-        raise UserError(f"{path} cannot be read as {suffixes[-1]}: {reason}") from damage
+    suffix = path.suffix.lower()
+    if suffix not in WRITERS:
+        raise UserError(f"{path} is no trace file: its name ends in {', '.join(WRITERS)}")
+    with file_part(path) as part, WRITERS[suffix](part, path) as writer:
+
+        def attach(segment: Segment[Node], player: Player | None) -> None:
+            names = {node.wire.name for node in segment.nodes}
+
+            def hear(frame: Frame, sender: str) -> None:
+                writer.on_message_received(_message(frame, segment.clock.now, sender not in names))
+
+            segment.listeners.append(hear)
+
+        yield attach
 
 
-def _opened(path: Path) -> IO[bytes]:
-    return gzip.open(path) if path.suffix == PACKED else path.open("rb")  # type: ignore[return-value]
+def _message(frame: Frame, time: float, heard: bool) -> can.Message:
+    return message_of(frame, timestamp=time, is_rx=heard, channel=CHANNEL)
 
 
-def _sent(message: can.Message) -> TimedFrame:
-    remote, extended = message.is_remote_frame, message.is_extended_id
-    frame = Frame(message.arbitration_id, bytes(message.data), remote, extended)
-    return TimedFrame(microseconds(message.timestamp), frame)
-
-
-CHANNEL = "can0"
-
-Observer = Callable[[Segment[Node], Player | None], None]
-"""Called before a run begins, with the bus and who plays the scenario on it, if there is one."""
-
-
-def candump_log(part: Path, path: Path) -> MessageWriter:
-    """Lines of `candump -L`, with T or R at their end."""
-    return can.CanutilsLogWriter(part, channel=CHANNEL)
-
-
-def asc(part: Path, path: Path) -> MessageWriter:
+def _asc(part: Path, path: Path) -> MessageWriter:
     """Vector's text format; python-can would begin it with the date of today."""
     writer = can.ASCWriter(part)
     writer.file.seek(0)
@@ -108,20 +124,15 @@ def asc(part: Path, path: Path) -> MessageWriter:
     return writer
 
 
-def blf(part: Path, path: Path) -> MessageWriter:
+def _blf(part: Path, path: Path) -> MessageWriter:
     """Vector's binary format; python-can would count time from the first frame on."""
     writer = can.BLFWriter(part)
     writer.start_timestamp = 0.0
     return writer
 
 
-def trc(part: Path, path: Path) -> MessageWriter:
-    """PEAK's text format, version 2.1."""
-    return Trc(part, path)
-
-
 class Trc(can.TRCWriter):
-    """Also writes remote frames, which python-can leaves out although it reads them."""
+    """PEAK's text format, version 2.1; python-can would leave remote frames out."""
 
     def __init__(self, part: Path, path: Path) -> None:
         super().__init__(part)
@@ -149,46 +160,9 @@ class Trc(can.TRCWriter):
 
 
 WRITERS: Mapping[str, Callable[[Path, Path], MessageWriter]] = {
-    ".log": candump_log,
-    ".asc": asc,
-    ".blf": blf,
-    ".trc": trc,
+    ".log": lambda part, _: can.CanutilsLogWriter(part, channel=CHANNEL),
+    ".asc": _asc,
+    ".blf": _blf,
+    ".trc": Trc,
 }
-
-
-@contextmanager
-def trace_file(path: Path) -> Iterator[Observer]:
-    """Writes every frame of a bus to a file, with the seconds of the bus as its time.
-
-    What twins send goes out (Tx), everything else comes in (Rx).
-
-    Raises:
-        UserError: a suffix that stands for no format, or a file that cannot be written.
-    """
-    suffix = path.suffix.lower()
-    if suffix not in WRITERS:
-        raise UserError(f"{path} is no trace file: its name ends in {', '.join(WRITERS)}")
-    with file_part(path) as part, WRITERS[suffix](part, path) as writer:
-
-        def attach(segment: Segment[Node], player: Player | None) -> None:
-            names = {node.wire.name for node in segment.nodes}
-
-            def hear(frame: Frame, sender: str) -> None:
-                writer.on_message_received(message(frame, segment.clock.now, sender not in names))
-
-            segment.listeners.append(hear)
-
-        yield attach
-
-
-def message(frame: Frame, time: float, heard: bool) -> can.Message:
-    """A frame as python-can has it."""
-    return can.Message(
-        timestamp=time,
-        arbitration_id=frame.can_id,
-        is_extended_id=frame.extended,
-        is_remote_frame=frame.remote,
-        is_rx=heard,
-        channel=CHANNEL,
-        data=frame.data,
-    )
+"""From the part that is written and the path it will have."""

@@ -1,13 +1,16 @@
 """Scenarios and bench files, by their paths; pydantic is imported when the first one is read."""
 
-from collections.abc import Callable, Mapping
+from __future__ import annotations
+
+from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from canopen_twins import devices
-from canopen_twins.device.device import Device
 from canopen_twins.scenario.scenario import NodeSpec, Scenario
 
-Find = Callable[[str], type[Device]]
+if TYPE_CHECKING:
+    from canopen_twins.scenario.rehearsal import Find
 
 
 def load(path: str | Path, find: Find = devices.find) -> Scenario:
@@ -20,7 +23,7 @@ def load(path: str | Path, find: Find = devices.find) -> Scenario:
     Raises:
         ScenarioError: with a line for everything that is wrong.
     """
-    from canopen_twins.scenario.reading.scenario import read_scenario  # noqa: PLC0415
+    from canopen_twins.scenario.compile import read_scenario  # noqa: PLC0415
 
     return read_scenario(Path(path), find)
 
@@ -35,6 +38,6 @@ def load_bench(path: Path, find: Find = devices.find) -> Mapping[str, NodeSpec]:
     Raises:
         ScenarioError: with a line for everything that is wrong; two nodes may have one node id.
     """
-    from canopen_twins.scenario.reading.scenario import read_bench  # noqa: PLC0415
+    from canopen_twins.scenario.compile import read_bench  # noqa: PLC0415
 
     return read_bench(path, find)

@@ -1,174 +1,132 @@
-"""What happens on a bus and at a node, and what it has to be to be a sign of something."""
+"""What is waited for or expected of a node or of the master: frames, writes, states, values."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf
 from re import Pattern
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
+from canopen_twins.bus import identifiers
 from canopen_twins.bus.frame import Frame, pattern
 from canopen_twins.device.node import Node
+from canopen_twins.diagnosis.expected import (
+    Expected,
+    ExpectedCommand,
+    ExpectedEmcy,
+    ExpectedFrame,
+    ExpectedHeartbeat,
+    ExpectedSilence,
+    ExpectedState,
+    ExpectedValues,
+    ExpectedWrites,
+)
+from canopen_twins.scenario.bus_events import BusEvent, Changed, Sent, Wrote
 from canopen_twins.scenario.targets import Target
-from canopen_twins.scenario.values import value_of
+from canopen_twins.scenario.values import NoValue, Wanted, value_now, value_of
 from canopen_twins.slave.emcy import EMCY_LENGTH, emcy_id, emcy_of
-from canopen_twins.slave.heartbeat import STATE_BYTE
-from canopen_twins.slave.object import Address, Rejected
+from canopen_twins.slave.nmt import ALL_NODES, STATE_BYTE
 from canopen_twins.slave.service import State
 
 
-class Sent(NamedTuple):
-    """A frame on the bus."""
-
-    frame: Frame
-    node: Node | None
-    """Who has sent it; None for the master, which is whoever is no node of the scenario."""
-
-
-class Wrote(NamedTuple):
-    """The master writes an object, by SDO or with an RPDO; whether it is refused does not matter.
-
-    An RPDO writes several at once: one after the other.
-    """
-
-    node: Node
-    address: Address
-    data: bytes
-    sized: bool = True
-    """Whether all of the bytes count; with an SDO the master may leave that to the object."""
-
-
-class Changed(NamedTuple):
-    """A node enters an NMT state."""
-
-    node: Node
-    state: State
-
-
-Happening = Sent | Wrote | Changed
-
-
-class Sign:
+class Matcher:
     """Something that can be seen of a node or of the master; `str` says in words what is meant."""
 
-    looks: ClassVar[bool] = False
-    """Whether it is seen by a look at the node, not in what happens."""
+    polled: ClassVar[bool] = False
+    """Whether it is seen by a look at the node, not in the events of the bus."""
 
     @property
-    def parts(self) -> tuple[Sign, ...]:
-        """The signs that have all to be seen, in any order."""
+    def parts(self) -> tuple[Matcher, ...]:
+        """What has all to be seen, in any order."""
         return (self,)
 
     @property
-    def addresses(self) -> Sequence[Address]:
-        """The objects it is about."""
-        return ()
+    def expected(self) -> Expected | None:
+        """What it is to a diagnosis that tells why it has not come."""
+        return None
 
-    def sees(self, happening: Happening, node: Node) -> bool:
+    @property
+    def unwanted(self) -> Expected | None:
+        """The same where it has come and should not have."""
+        return None
+
+    def matches(self, event: BusEvent, node: Node) -> bool:
         """Whether this is what is meant."""
         return False
 
-    def is_kin(self, happening: Happening, node: Node) -> bool:
+    def resembles(self, event: BusEvent, node: Node) -> bool:
         """Whether this is worth telling where what is meant has not come; that itself always is."""
-        return self.sees(happening, node)
+        return self.matches(event, node)
 
-    def tell(self, happening: Happening) -> str:
-        """In words what `sees` or `is_kin` has said yes to."""
+    def describe(self, event: BusEvent) -> str:
+        """In words what `matches` or `resembles` has said yes to."""
         raise NotImplementedError
 
-    def look(self, node: Node) -> tuple[bool, str]:
-        """Whether it is so now, and how it is in words."""
+    def poll(self, node: Node) -> tuple[bool, str]:
+        """Whether it is so now, and how it is in words; nobody notices the look."""
         raise NotImplementedError
 
 
 @dataclass(frozen=True)
-class Range:
-    """Numbers, both ends included."""
+class Condition:
+    """The moment at which a matcher of a node matches for the n-th time.
 
-    low: float = -inf
-    high: float = inf
-    hexadecimal: bool = False
-    """Whether values are told in hexadecimal."""
+    It is watched for from the moment the step above begins, and behind what set that one off.
+    """
 
-    def tell(self, value: object) -> str:
-        """A value, as the file would have it."""
-        return f"{value:#06x}" if self.hexadecimal and isinstance(value, int) else f"{value}"
-
-    def __contains__(self, value: object) -> bool:
-        return isinstance(value, (int, float)) and self.low <= value <= self.high
+    matcher: Matcher
+    node: str
+    """The name of the node it is about."""
+    nth: int = 1
 
     def __str__(self) -> str:
-        if self.low == self.high:
-            return self.tell(self.low)
-        told = f"{self.tell(self.low)}..{self.tell(self.high)}"
-        return told.replace("-inf..", "at most ").replace("..inf", " or more")
+        return f"{self.matcher}{f' ({self.nth} times)' if self.nth > 1 else ''}"
 
 
-@dataclass(frozen=True)
-class Text:
-    """The one text that is meant."""
+# Frames
 
-    text: str
-
-    def tell(self, value: object) -> str:
-        """A value in quotes."""
-        return repr(value)
-
-    def __contains__(self, value: object) -> bool:
-        return value == self.text
-
-    def __str__(self) -> str:
-        return repr(self.text)
+STANDARD_ID = re.compile("[0-9A-F]{3}")
+STATES = {byte: state for state, byte in STATE_BYTE.items() if byte}
+COMMANDS: Mapping[str, int] = {
+    "start": 0x01,
+    "stop": 0x02,
+    "pre-operational": 0x80,
+    "reset-node": 0x81,
+    "reset-communication": 0x82,
+}
+NAMES = {command: name for name, command in COMMANDS.items()}
+COMMAND_LENGTH = 2
 
 
-@dataclass(frozen=True)
-class Anything:
-    """Whatever it is."""
-
-    def tell(self, value: object) -> str:
-        """A value as it is."""
-        return f"{value}"
-
-    def __contains__(self, value: object) -> bool:
-        return True
-
-    def __str__(self) -> str:
-        return "any"
-
-
-Wanted = Range | Text | Anything
-
-
-class FrameSign(Sign):
+class FrameMatcher(Matcher):
     """Picks from the frames of one node, or from those of the master."""
 
     by_master: bool = False
 
-    def sees(self, happening: Happening, node: Node) -> bool:
+    def matches(self, event: BusEvent, node: Node) -> bool:
         """A frame of the right sender that is meant."""
-        return self._is_from(happening, node) and self.fits(_frame(happening), node)
+        return self._is_from(event, node) and self.fits(_frame(event), node)
 
-    def is_kin(self, happening: Happening, node: Node) -> bool:
+    def resembles(self, event: BusEvent, node: Node) -> bool:
         """A frame of the right sender that is like what is meant."""
-        return self._is_from(happening, node) and self.resembles(_frame(happening), node)
+        return self._is_from(event, node) and self.is_like(_frame(event), node)
 
-    def tell(self, happening: Happening) -> str:
+    def describe(self, event: BusEvent) -> str:
         """The frame."""
-        return self.words(_frame(happening))
+        return self.words(_frame(event))
 
-    def _is_from(self, happening: Happening, node: Node) -> bool:
+    def _is_from(self, event: BusEvent, node: Node) -> bool:
         sender = None if self.by_master else node
-        return isinstance(happening, Sent) and happening.node is sender
+        return isinstance(event, Sent) and event.node is sender
 
     def fits(self, frame: Frame, node: Node) -> bool:
         """Whether a frame is meant."""
         return True
 
-    def resembles(self, frame: Frame, node: Node) -> bool:
-        """Whether a frame that may not fit is worth telling."""
+    def is_like(self, frame: Frame, node: Node) -> bool:
+        """Whether a frame that may not be meant is worth telling."""
         return self.fits(frame, node)
 
     def words(self, frame: Frame) -> str:
@@ -176,33 +134,45 @@ class FrameSign(Sign):
         return str(frame)
 
 
-def _frame(happening: Happening) -> Frame:
-    assert isinstance(happening, Sent)
-    return happening.frame
+def _frame(event: BusEvent) -> Frame:
+    assert isinstance(event, Sent)
+    return event.frame
 
 
 @dataclass(frozen=True)
-class AnyFrame(FrameSign):
+class AnyFrame(FrameMatcher):
     """Whatever is sent."""
 
     by_master: bool = False
+
+    @property
+    def unwanted(self) -> Expected | None:
+        """A silence that a node should have kept."""
+        return None if self.by_master else ExpectedSilence()
 
     def __str__(self) -> str:
         return f"frame{_whose(self)}"
 
 
 @dataclass(frozen=True)
-class FrameLike(FrameSign):
+class FrameLike(FrameMatcher):
     """A frame in the notation of cansend, in capitals, with X for any digit and * for any rest."""
 
     text: str
     by_master: bool = False
 
+    @property
+    def expected(self) -> Expected | None:
+        """Frames of the identifier, if it is one of 11 bits and told without an x."""
+        identifier = self.text.partition("#")[0]
+        told = STANDARD_ID.fullmatch(identifier) is not None
+        return ExpectedFrame(int(identifier, 16)) if told else None
+
     def fits(self, frame: Frame, node: Node) -> bool:
         """Digit by digit."""
         return self._digits.fullmatch(str(frame)) is not None
 
-    def resembles(self, frame: Frame, node: Node) -> bool:
+    def is_like(self, frame: Frame, node: Node) -> bool:
         """The same identifier."""
         return self._identifier.match(str(frame)) is not None
 
@@ -219,7 +189,7 @@ class FrameLike(FrameSign):
 
 
 @dataclass(frozen=True)
-class EmcyLike(FrameSign):
+class EmcyLike(FrameMatcher):
     """An emergency; what is None may be anything."""
 
     code: int | None = None
@@ -227,16 +197,18 @@ class EmcyLike(FrameSign):
     detail: int | None = None
     """The manufacturer-specific error field, its first byte the lowest."""
 
+    expected = ExpectedEmcy()
+
     def fits(self, frame: Frame, node: Node) -> bool:
         """Field by field."""
-        return self.resembles(frame, node) and all(
+        return self.is_like(frame, node) and all(
             wanted in (None, found)
             for wanted, found in zip(
                 (self.code, self.register, self.detail), _fields(frame), strict=True
             )
         )
 
-    def resembles(self, frame: Frame, node: Node) -> bool:
+    def is_like(self, frame: Frame, node: Node) -> bool:
         """Any emergency of the node."""
         return frame.can_id == _emcy_id(node) and len(frame.data) == EMCY_LENGTH
 
@@ -250,19 +222,21 @@ class EmcyLike(FrameSign):
 
 
 @dataclass(frozen=True)
-class HeartbeatLike(FrameSign):
+class HeartbeatLike(FrameMatcher):
     """A heartbeat, of a state or of any; the boot-up message is none."""
 
     state: State | None = None
 
+    expected = ExpectedHeartbeat()
+
     def fits(self, frame: Frame, node: Node) -> bool:
         """State by state."""
-        return self.resembles(frame, node) and self.state in (None, STATES[frame.data[0]])
+        return self.is_like(frame, node) and self.state in (None, STATES[frame.data[0]])
 
-    def resembles(self, frame: Frame, node: Node) -> bool:
+    def is_like(self, frame: Frame, node: Node) -> bool:
         """Any heartbeat of the node."""
         is_state = len(frame.data) == 1 and frame.data[0] in STATES
-        return frame.can_id == 0x700 + node.node_id and is_state
+        return frame.can_id == identifiers.heartbeat(node.node_id) and is_state
 
     def words(self, frame: Frame) -> str:
         """Its state."""
@@ -272,11 +246,34 @@ class HeartbeatLike(FrameSign):
         return f"heartbeat {self.state.lower()}" if self.state else "heartbeat"
 
 
-STATES = {byte: state for state, byte in STATE_BYTE.items() if byte}
+@dataclass(frozen=True)
+class Commanded(FrameMatcher):
+    """The NMT master commands the node, or all of them; None: whatever the command."""
+
+    command: int | None = None
+    by_master = True
+
+    expected = ExpectedCommand()
+
+    def fits(self, frame: Frame, node: Node) -> bool:
+        """The command itself."""
+        return self.is_like(frame, node) and self.command in (None, frame.data[0])
+
+    def is_like(self, frame: Frame, node: Node) -> bool:
+        """Any command to the node."""
+        is_command = frame.can_id == identifiers.NMT and len(frame.data) == COMMAND_LENGTH
+        return is_command and frame.data[1] in (ALL_NODES, node.node_id)
+
+    def words(self, frame: Frame) -> str:
+        """The command by its name."""
+        return NAMES.get(frame.data[0], f"{frame.data[0]:#04x}")
+
+    def __str__(self) -> str:
+        return f"NMT {NAMES[self.command]}" if self.command is not None else "NMT command"
 
 
-def _whose(sign: FrameSign) -> str:
-    return " of the master" if sign.by_master else ""
+def _whose(matcher: FrameMatcher) -> str:
+    return " of the master" if matcher.by_master else ""
 
 
 def _fields(frame: Frame) -> tuple[int, int, int]:
@@ -291,156 +288,84 @@ def _emcy(code: int | None, register: int | None, detail: int | None) -> str:
 
 def _emcy_id(node: Node) -> int | None:
     """Of a node that has just fallen silent, too: its last one may still be on its way."""
-    return 0x80 + node.node_id if node.slave is None else emcy_id(node.slave)
+    return identifiers.emcy(node.node_id) if node.slave is None else emcy_id(node.slave)
+
+
+# NMT states
 
 
 @dataclass(frozen=True)
-class Holds(Sign):
-    """Objects have values; the look at them leaves no trace on the bus nor in the device."""
-
-    wanted: tuple[tuple[Target, Wanted], ...]
-    looks = True
-
-    @property
-    def addresses(self) -> Sequence[Address]:
-        """All of them."""
-        return [target.address for target, _ in self.wanted]
-
-    def look(self, node: Node) -> tuple[bool, str]:
-        """Whether all of them hold at this moment."""
-        values = [(target, wanted, _value_now(node, target)) for target, wanted in self.wanted]
-        told = (f"{target} is {_told(wanted, value)}" for target, wanted, value in values)
-        return all(_is(wanted, value) for _, wanted, value in values), ", ".join(told)
-
-    def __str__(self) -> str:
-        return ", ".join(f"{target} {wanted}" for target, wanted in self.wanted)
-
-
-@dataclass(frozen=True)
-class Entered(Sign):
+class Entered(Matcher):
     """The node enters an NMT state; one that is in it already does not."""
 
     state: State
 
-    def sees(self, happening: Happening, node: Node) -> bool:
-        """This state."""
-        return self.is_kin(happening, node) and self.state is _state(happening)
-
-    def is_kin(self, happening: Happening, node: Node) -> bool:
-        """Any state of the node."""
-        return isinstance(happening, Changed) and happening.node is node
-
-    def tell(self, happening: Happening) -> str:
+    @property
+    def expected(self) -> Expected:
         """The state."""
-        return _state(happening).lower()
+        return ExpectedState(self.state)
+
+    def matches(self, event: BusEvent, node: Node) -> bool:
+        """This state."""
+        return self.resembles(event, node) and self.state is _state(event)
+
+    def resembles(self, event: BusEvent, node: Node) -> bool:
+        """Any state of the node."""
+        return isinstance(event, Changed) and event.node is node
+
+    def describe(self, event: BusEvent) -> str:
+        """The state."""
+        return _state(event).lower()
 
     def __str__(self) -> str:
         return f"state {self.state.lower()}"
 
 
-def _state(happening: Happening) -> State:
-    assert isinstance(happening, Changed)
-    return happening.state
+def _state(event: BusEvent) -> State:
+    assert isinstance(event, Changed)
+    return event.state
 
 
-class NoValue(str):
-    """Why there is none; whatever is wanted, this is not it."""
-
-    __slots__ = ()
-
-
-def _is(wanted: Wanted, value: object) -> bool:
-    return not isinstance(value, NoValue) and value in wanted
-
-
-def _told(wanted: Wanted, value: object) -> str:
-    return str(value) if isinstance(value, NoValue) else wanted.tell(value)
-
-
-def _value_now(node: Node, target: Target) -> object:
-    if node.slave is None:
-        return NoValue("(silent)")
-    try:
-        entry = node.slave.entry(*target.address)
-        return entry.unpack(entry.read())
-    except Rejected as refusal:
-        return NoValue(f"(refused: {refusal})")
-
-
-COMMANDS: Mapping[str, int] = {
-    "start": 0x01,
-    "stop": 0x02,
-    "pre-operational": 0x80,
-    "reset-node": 0x81,
-    "reset-communication": 0x82,
-}
-NAMES = {command: name for name, command in COMMANDS.items()}
-ALL_NODES = 0
-LENGTH = 2
+# Values of objects
 
 
 @dataclass(frozen=True)
-class Commanded(FrameSign):
-    """The NMT master commands the node, or all of them; None: whatever the command."""
-
-    command: int | None = None
-    by_master = True
-
-    def fits(self, frame: Frame, node: Node) -> bool:
-        """The command itself."""
-        return self.resembles(frame, node) and self.command in (None, frame.data[0])
-
-    def resembles(self, frame: Frame, node: Node) -> bool:
-        """Any command to the node."""
-        is_command = frame.can_id == 0 and len(frame.data) == LENGTH
-        return is_command and frame.data[1] in (ALL_NODES, node.node_id)
-
-    def words(self, frame: Frame) -> str:
-        """The command by its name."""
-        return NAMES.get(frame.data[0], f"{frame.data[0]:#04x}")
-
-    def __str__(self) -> str:
-        return f"NMT {NAMES[self.command]}" if self.command is not None else "NMT command"
-
-
-@dataclass(frozen=True)
-class Written(Sign):
+class Written(Matcher):
     """The master writes objects, by SDO or with an RPDO: all of them, in any order."""
 
     wanted: tuple[tuple[Target, Wanted], ...]
 
     @property
-    def addresses(self) -> Sequence[Address]:
-        """All of them."""
-        return [target.address for target, _ in self.wanted]
+    def expected(self) -> Expected:
+        """That they are written."""
+        return ExpectedWrites([target.address for target, _ in self.wanted])
 
     @property
-    def parts(self) -> tuple[Sign, ...]:
+    def parts(self) -> tuple[Matcher, ...]:
         """Each object is written for itself."""
         return tuple(Written((one,)) for one in self.wanted)
 
-    def sees(self, happening: Happening, node: Node) -> bool:
+    def matches(self, event: BusEvent, node: Node) -> bool:
         """One of the objects, with the value that is meant."""
-        return isinstance(happening, Wrote) and any(
-            _value_written(target, happening) in wanted
+        return isinstance(event, Wrote) and any(
+            _value_written(target, event) in wanted
             for target, wanted in self.wanted
-            if (happening.node, happening.address) == (node, target.address)
+            if (event.node, event.address) == (node, target.address)
         )
 
-    def is_kin(self, happening: Happening, node: Node) -> bool:
+    def resembles(self, event: BusEvent, node: Node) -> bool:
         """One of the objects."""
-        return isinstance(happening, Wrote) and any(
-            (happening.node, happening.address) == (node, target.address)
-            for target, _ in self.wanted
+        return isinstance(event, Wrote) and any(
+            (event.node, event.address) == (node, target.address) for target, _ in self.wanted
         )
 
-    def tell(self, happening: Happening) -> str:
+    def describe(self, event: BusEvent) -> str:
         """The object, and the value it is to have."""
-        assert isinstance(happening, Wrote)
+        assert isinstance(event, Wrote)
         return next(
-            f"{target} = {wanted.tell(_value_written(target, happening))}"
+            f"{target} = {wanted.tell(_value_written(target, event))}"
             for target, wanted in self.wanted
-            if target.address == happening.address
+            if target.address == event.address
         )
 
     def __str__(self) -> str:
@@ -451,23 +376,33 @@ def _value_written(target: Target, wrote: Wrote) -> object:
     return value_of(target, wrote.data, wrote.sized)
 
 
-__all__ = [
-    "COMMANDS",
-    "AnyFrame",
-    "Anything",
-    "Changed",
-    "Commanded",
-    "EmcyLike",
-    "Entered",
-    "FrameLike",
-    "Happening",
-    "HeartbeatLike",
-    "Holds",
-    "Range",
-    "Sent",
-    "Sign",
-    "Text",
-    "Wanted",
-    "Written",
-    "Wrote",
-]
+@dataclass(frozen=True)
+class Holds(Matcher):
+    """Objects have values; the look at them leaves no trace on the bus nor in the device."""
+
+    wanted: tuple[tuple[Target, Wanted], ...]
+    polled = True
+
+    @property
+    def expected(self) -> Expected:
+        """Their values, whichever they should have or not have."""
+        return ExpectedValues([target.address for target, _ in self.wanted])
+
+    unwanted = expected
+
+    def poll(self, node: Node) -> tuple[bool, str]:
+        """Whether all of them hold at this moment."""
+        values = [(target, wanted, value_now(node, target)) for target, wanted in self.wanted]
+        told = (f"{target} is {_told(wanted, value)}" for target, wanted, value in values)
+        return all(_is(wanted, value) for _, wanted, value in values), ", ".join(told)
+
+    def __str__(self) -> str:
+        return ", ".join(f"{target} {wanted}" for target, wanted in self.wanted)
+
+
+def _is(wanted: Wanted, value: object) -> bool:
+    return not isinstance(value, NoValue) and value in wanted
+
+
+def _told(wanted: Wanted, value: object) -> str:
+    return str(value) if isinstance(value, NoValue) else wanted.tell(value)

@@ -1,18 +1,12 @@
 """A scenario as it is played: nodes, and steps with their moments."""
 
-from __future__ import annotations
-
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from canopen_twins.device.device import Device
-from canopen_twins.scenario.matchers import Sign
-from canopen_twins.slave.object import Address
-
-if TYPE_CHECKING:
-    from canopen_twins.scenario.context import Context
+from canopen_twins.scenario.actions import Action
+from canopen_twins.scenario.matchers import Condition
 
 
 @dataclass(frozen=True)
@@ -29,43 +23,7 @@ class After:
     seconds: float
 
 
-@dataclass(frozen=True)
-class Condition:
-    """The moment at which a sign of a node is seen for the n-th time.
-
-    It is watched for from the moment the step above begins, and behind what set that one off.
-    """
-
-    what: Sign
-    node: str
-    """The name of the node it is a sign of."""
-    nth: int = 1
-
-    def __str__(self) -> str:
-        return f"{self.what}{f' ({self.nth} times)' if self.nth > 1 else ''}"
-
-
 Moment = At | After | Condition
-
-
-class Action:
-    """What a step does; `str` says it in words."""
-
-    def __str__(self) -> str:
-        return type(self).__name__.lower()
-
-    @property
-    def about(self) -> Sequence[Address]:
-        """The objects whose values it is about."""
-        return ()
-
-    def carry_out(self, context: Context) -> None:
-        """Do it, now.
-
-        Raises:
-            UserError: it cannot be done.
-        """
-        raise NotImplementedError
 
 
 @dataclass(frozen=True)

@@ -1,36 +1,43 @@
-"""What stands behind a key: times, numbers, words, frames, and values by name."""
+"""The keys of scenario and bench files; each value is read once, as what it means.
 
-from collections.abc import Collection
+What has to be asked of a device stays an `Item`: names of nodes, objects, settings and faults, and
+their values.
+"""
+
+from collections.abc import Callable, Mapping
 from typing import Annotated, ClassVar, TypeVar
 
 from pydantic import BeforeValidator, ConfigDict, Discriminator, Field, Tag
 
 from canopen_twins.bus.frame import Frame, pattern
+from canopen_twins.device.node import Node as Twin
 from canopen_twins.files.document import LONGEST_TIME, Item
 from canopen_twins.files.table import (
-    Apart,
-    Beside,
     IfRight,
     Leaf,
     Listed,
-    OneOf,
     Rule,
-    Shapes,
-    SomeOf,
     Table,
+    apart,
+    beside,
+    one_of,
+    shapes,
+    some_of,
 )
+from canopen_twins.scenario.actions import PATIENCE
 from canopen_twins.scenario.matchers import COMMANDS
-from canopen_twins.scenario.words import (
-    ANY,
-    EMCY_FIELDS,
-    HEARTBEATS,
-    MASTER,
-    NONE,
-    STATES,
-    SWITCHES,
-)
+from canopen_twins.scenario.sdo_client import ACCEPTED
+from canopen_twins.slave.service import State
 
 Value = TypeVar("Value")
+
+ANY, NONE, MASTER = "any", "none", "master"
+STATES: Mapping[str, State] = {state.lower(): state for state in State}
+HEARTBEATS: Mapping[str, str] = {
+    **{word: state for word, state in STATES.items() if state is not State.INITIALISING},
+    ANY: ANY,
+}
+SWITCHES: Mapping[str, Callable[[Twin], None]] = {"on": Twin.power_on, "off": Twin.power_off}
 
 HIGHEST = 0xFFFF_FFFF
 HEX = "[0-9A-Fa-f]"
@@ -38,21 +45,23 @@ FRAME = rf"^({HEX}{{3}}|{HEX}{{8}})#(R[0-8]?|({HEX}{{2}}|\.)*)$"
 LIKE_A_FRAME = r"^([0-9A-FXa-fx]{3}|[0-9A-FXa-fx]{8})#(R[0-8]?|[0-9A-FXa-fx.]*\*?)$"
 TIME = {"type": "number", "minimum": 0, "maximum": LONGEST_TIME}
 TEXT = ["string", "number", "boolean"]
+ABORT = {"anyOf": [{"enum": [NONE]}, {"type": "integer", "minimum": 1, "maximum": HIGHEST}]}
 
 
-def word(what: str, known: Collection[str]) -> Leaf:
-    """One word out of several."""
-    return Leaf(lambda item: item.one_of(what, known), {"enum": [*known]})
+def word(what: str, known: Mapping[str, object]) -> Leaf:
+    """One word out of several, as what it stands for."""
+    return Leaf(lambda item: known[item.one_of(what, known)], {"enum": [*known]})
 
 
 def whole(low: int, high: int) -> Leaf:
     """A whole number, both ends included."""
 
-    def ask(item: Item) -> None:
-        if not low <= item.whole <= high:
+    def mean(item: Item) -> int:
+        if not low <= (number := item.whole) <= high:
             raise item.wrong(f"{item.text} is not in {low}..{high}")
+        return number
 
-    return Leaf(ask, {"type": "integer", "minimum": low, "maximum": high})
+    return Leaf(mean, {"type": "integer", "minimum": low, "maximum": high})
 
 
 def up_to(highest: int) -> Leaf:
@@ -61,42 +70,60 @@ def up_to(highest: int) -> Leaf:
     return Leaf(lambda item: item.whole_up_to(highest), schema)
 
 
-def abort_code() -> Leaf:
-    """An SDO abort code, or the word that there is no answer."""
-    schema = {"anyOf": [{"enum": [NONE]}, {"type": "integer", "minimum": 1, "maximum": HIGHEST}]}
-    return Leaf(_abort_code, schema)
+def as_it_stands(check: Callable[[Item], object], schema: Mapping[str, object]) -> Leaf:
+    """A value that is one by its looks; what it means says a device."""
+
+    def mean(item: Item) -> Item:
+        check(item)
+        return item
+
+    return Leaf(mean, schema)
 
 
-def _abort_code(item: Item) -> None:
-    if item.text != NONE and not item.whole_up_to(HIGHEST):
-        raise item.wrong(f"{item.text} is no abort code; they look like 0x06090030")
-
-
-def _some_time(item: Item) -> None:
-    if not item.seconds:
+def _some_time(item: Item) -> float:
+    if not (seconds := item.seconds):
         raise item.wrong(f"{item.text} s is no time; it has to be more")
+    return seconds
 
 
-Seconds = Annotated[Item, Leaf(lambda item: item.seconds, TIME)]
-SomeSeconds = Annotated[Item, Leaf(_some_time, {**TIME, "exclusiveMinimum": 0})]
-Number = Annotated[Item, Leaf(lambda item: item.number, {"type": "number"})]
-Text = Annotated[Item, Leaf(lambda item: item.text, {"type": TEXT})]
-Scalar = Annotated[Item, Leaf(lambda item: item.value, {"type": [*TEXT, "null"]})]
-Name = Annotated[Item, Leaf(lambda item: item.text, {"type": "string"})]
+def _frame_like(item: Item) -> str:
+    pattern(item.text)
+    return item.text.strip().replace(".", "").upper()
+
+
+def _abort_code(item: Item) -> int | None:
+    if item.text == NONE:
+        return None
+    if not (code := item.whole_up_to(HIGHEST)):
+        raise item.wrong(f"{item.text} is no abort code; they look like 0x06090030")
+    return code
+
+
+Seconds = Annotated[float, Leaf(lambda item: item.seconds, TIME)]
+SomeSeconds = Annotated[float, Leaf(_some_time, {**TIME, "exclusiveMinimum": 0})]
+Number = Annotated[float, Leaf(lambda item: item.number, {"type": "number"})]
+Text = Annotated[str, Leaf(lambda item: item.text, {"type": TEXT})]
 OneFrame = Annotated[
-    Item, Leaf(lambda item: Frame.parse(item.text), {"type": "string", "pattern": FRAME})
+    Frame, Leaf(lambda item: Frame.parse(item.text), {"type": "string", "pattern": FRAME})
 ]
-FrameShape = Annotated[
-    Item, Leaf(lambda item: pattern(item.text), {"type": "string", "pattern": LIKE_A_FRAME})
+FrameShape = Annotated[str, Leaf(_frame_like, {"type": "string", "pattern": LIKE_A_FRAME})]
+Switch = Annotated[Callable[[Twin], None], word("position of the supply", SWITCHES)]
+Always = Annotated[str, Leaf(lambda item: item.one_of("silence", ["true"]), {"const": True})]
+Command = Annotated[int, word("NMT command", COMMANDS)]
+Name = Annotated[Item, as_it_stands(lambda item: item.text, {"type": "string"})]
+Scalar = Annotated[Item, as_it_stands(lambda item: item.value, {"type": [*TEXT, "null"]})]
+NodeId = Annotated[
+    Item,
+    as_it_stands(lambda item: item.value, {"type": "integer", "minimum": 1, "maximum": 127}),
 ]
 
-BY_NAME = BeforeValidator(lambda item: {pair.key: pair.value for pair in item.pairs.values()})
+BY_NAME = BeforeValidator(lambda table: {pair.key: pair.value for pair in table.pairs.values()})
 Parameters = Annotated[dict[Name, Scalar], BY_NAME]
 """Values by their names; there may be none."""
 Named = Annotated[dict[Name, Value], Field(min_length=1), BY_NAME]
 """What is told of at least one name."""
 
-WORD_OR_TABLE = Discriminator(lambda item: "table" if item.is_mapping else "word")
+WORD_OR_TABLE = Discriminator(lambda found: "table" if found.is_mapping else "word")
 """Between what is tagged "word" and what is tagged "table"."""
 
 
@@ -107,26 +134,24 @@ SOMETHING = "empty; at least one key with a value is wanted here"
 RANGE = "wanted is {is: 5}, {is: 5, tolerance: 1}, {min: 4} or {max: 6} or both"
 WINDOW = "'within' is missing: the seconds it may take, or 'before': what ends the time"
 
-TRUE = Leaf(lambda item: item.one_of("silence", ["true"]), {"const": True})
-
 
 class Emcy(Table):
     """An emergency message; what is not given may be anything."""
 
-    rules = (SomeOf(EMCY_FIELDS, SOMETHING),)
+    rules = (some_of(("code", "register", "detail"), SOMETHING),)
 
-    code: Annotated[Item, up_to(EMCY_FIELDS["code"])] | None = None
+    code: Annotated[int, up_to(0xFFFF)] | None = None
     """Emergency error code, such as 0x2310."""
-    bits: Annotated[Item, up_to(EMCY_FIELDS["register"])] | None = Field(None, alias="register")
+    bits: Annotated[int, up_to(0xFF)] | None = Field(None, alias="register")
     """Error register, such as 0x03."""
-    detail: Annotated[Item, up_to(EMCY_FIELDS["detail"])] | None = None
+    detail: Annotated[int, up_to(0xFF_FFFF_FFFF)] | None = None
     """Manufacturer-specific error field as one number, its first byte the lowest."""
 
 
 class Wanted(Table):
     """Numbers that are meant, both ends included."""
 
-    rules = (Shapes(("is", "is tolerance", "min", "max", "min max"), RANGE),)
+    rules = (shapes(("is", "is tolerance", "min", "max", "min max"), RANGE),)
 
     exactly: Number | None = Field(None, alias="is")
     """The number itself."""
@@ -149,7 +174,7 @@ class Sign(Table):
 
     emcy: (
         Annotated[
-            Annotated[Item, word("EMCY", [ANY]), Tag("word")] | Annotated[Emcy, Tag("table")],
+            Annotated[str, word("EMCY", {ANY: ANY}), Tag("word")] | Annotated[Emcy, Tag("table")],
             WORD_OR_TABLE,
         ]
         | None
@@ -157,32 +182,32 @@ class Sign(Table):
     """The node sends an EMCY: with these fields, or `any`."""
     frame: FrameShape | None = None
     """The node sends a frame as cansend writes it: x is any digit, * at the end any rest."""
-    heartbeat: Annotated[Item, word("heartbeat", [*HEARTBEATS, ANY])] | None = None
+    heartbeat: Annotated[str, word("heartbeat", HEARTBEATS)] | None = None
     """The node sends a heartbeat with this state, or any; the boot-up message is none."""
     value: Values | None = None
     """All of these objects have these values at a look, which leaves no trace on the bus."""
-    state: Annotated[Item, word("NMT state", STATES)] | None = None
+    state: Annotated[State, word("NMT state", STATES)] | None = None
     """The node enters this NMT state; being in it already does not count."""
     write: Values | None = None
     """The master writes these objects, by SDO or RPDO; attempts count, answered or refused."""
-    nmt: Annotated[Item, word("NMT command", COMMANDS)] | None = None
+    nmt: Command | None = None
     """The master commands the node, or all nodes."""
-    sender: Annotated[Item, word("sender", [MASTER])] | None = Field(None, alias="from")
+    sender: Annotated[str, word("sender", {MASTER: MASTER})] | None = Field(None, alias="from")
     """Frames are looked for among those of the master: whatever no node of the file has sent."""
 
 
 class Never(Sign):
     """One thing that must not be seen."""
 
-    rules = (OneOf("to look for", KINDS, "never"), Beside("from", ("frame",)))
+    rules = (one_of("to look for", KINDS, "never"), beside("from", ("frame",)))
 
 
 class Condition(Sign):
     """One thing that is waited for."""
 
-    rules = (OneOf("to wait for", KINDS, "a condition"), Beside("from", ("frame",)))
+    rules = (one_of("to wait for", KINDS, "a condition"), beside("from", ("frame",)))
 
-    nth: Annotated[Item, whole(1, MOST_TIMES)] | None = None
+    nth: Annotated[int, whole(1, MOST_TIMES)] = 1
     """Which time it is seen; the first if it is left out."""
     node: Name | None = None
     """Of which node; that of the step if it is left out."""
@@ -192,22 +217,23 @@ class Expect(Sign):
     """One thing that should be seen, or should not, and the time for it."""
 
     rules = (
-        OneOf("to expect", EXPECTED),
-        Beside("from", ("frame", "silence")),
-        SomeOf(("within", "before", "value", "never"), WINDOW),
+        one_of("to expect", EXPECTED),
+        beside("from", ("frame", "silence")),
+        some_of(("within", "before", "value", "never"), WINDOW),
     )
 
     emcy: (
         Annotated[
-            Annotated[Item, word("EMCY", [NONE, ANY]), Tag("word")] | Annotated[Emcy, Tag("table")],
+            Annotated[str, word("EMCY", {NONE: NONE, ANY: ANY}), Tag("word")]
+            | Annotated[Emcy, Tag("table")],
             WORD_OR_TABLE,
         ]
         | None
     ) = None
     """The node sends an EMCY: with these fields, `any`, or `none` at all."""
-    heartbeat: Annotated[Item, word("heartbeat", [*HEARTBEATS, ANY, NONE])] | None = None
+    heartbeat: Annotated[str, word("heartbeat", {**HEARTBEATS, NONE: NONE})] | None = None
     """The node sends a heartbeat with this state, `any`, or `none` at all."""
-    silence: Annotated[Item, TRUE] | None = None
+    silence: Always | None = None
     """The node sends nothing at all; with `from: master`, the master."""
     never: Never | None = None
     """This must not be seen: within the time, or up to the end of the run."""
@@ -229,25 +255,25 @@ class AnyStep(Table):
     """What is done, and to which node; a step of the cleanup says no more than this."""
 
     rules: ClassVar[tuple[Rule, ...]] = (
-        OneOf("to do", VERBS),
-        Beside("abort", ("write", "read")),
-        Beside("timeout", ("write", "read")),
-        Beside("for", ("inject",)),
-        Beside("until", ("inject",)),
-        Apart(("for", "until")),
-        Beside("every", ("times",)),
-        Beside("times", ("every",)),
+        one_of("to do", VERBS),
+        beside("abort", ("write", "read")),
+        beside("timeout", ("write", "read")),
+        beside("for", ("inject",)),
+        beside("until", ("inject",)),
+        apart(("for", "until")),
+        beside("every", ("times",)),
+        beside("times", ("every",)),
     )
 
     after: Seconds | None = None
     """Seconds after the step above has been carried out, the last time if it is repeated."""
-    every: SomeSeconds | None = None
+    every: SomeSeconds = 0.0
     """Seconds from one repetition to the next; how many there are says `times`."""
-    times: Annotated[Item, whole(1, MOST_TIMES)] | None = None
+    times: Annotated[int, whole(1, MOST_TIMES)] = 1
     """How often it is carried out altogether, the first time at its moment."""
     node: Name | None = None
     """The node it is about; may be left out where there is one node, and beside `send`."""
-    note: Text | None = None
+    note: Text = ""
     """Why it is there; free text, shown where something did not come as expected."""
     set: Named[Scalar] | None = None
     """Changes settings that may change while the device runs, such as its load."""
@@ -255,15 +281,15 @@ class AnyStep(Table):
     """Writes objects by SDO, one after the other, as a master does."""
     read: Values | None = None
     """Reads objects by SDO, one after the other, and compares what they have."""
-    abort: Annotated[Item, abort_code()] | None = None
+    abort: Annotated[int | None, Leaf(_abort_code, ABORT)] = ACCEPTED
     """The abort code with which the one object is refused; `none`: it is not answered."""
-    timeout: SomeSeconds | None = None
+    timeout: SomeSeconds = PATIENCE
     """Seconds the master waits for each answer; 1 if it is left out."""
     send: OneFrame | None = None
     """Puts a frame on the bus, as cansend writes it."""
-    nmt: Annotated[Item, word("NMT command", COMMANDS)] | None = None
+    nmt: Command | None = None
     """Commands the node as the NMT master."""
-    power: Annotated[Item, word("position of the supply", SWITCHES)] | None = None
+    power: Annotated[Callable[[Twin], None], word("position of the supply", SWITCHES)] | None = None
     """Switches the supply of the node on or off."""
     inject: Faults | None = None
     """Lets something go wrong: a fault by its name, with parameters if it has some."""
@@ -280,7 +306,7 @@ class AnyStep(Table):
 class Step(AnyStep):
     """What is done, to which node, and when."""
 
-    rules = (OneOf("says when", MOMENTS), *AnyStep.rules)
+    rules = (one_of("says when", MOMENTS), *AnyStep.rules)
 
     at: Seconds | None = None
     """Seconds since the beginning; steps stand in the order of their times."""
@@ -290,19 +316,14 @@ class Step(AnyStep):
 
 VERSION = 1
 MOST_STEPS, MOST_NODES = 10_000, 127
-HIGHEST_SEED = 0xFFFF_FFFF
 BIT_RATES = 10_000, 1_000_000  # CiA 301, 5.2
 
 
-def _check(version: Item) -> None:
+def _check_version(version: Item) -> None:
     """Another version is a problem; the rest is looked at all the same."""
     with version.problems.at(version):
         if version.whole != VERSION:
             raise version.wrong(f"version {version.text} is unknown; this program reads {VERSION}")
-
-
-KNOWN_VERSION = Leaf(_check, {"const": VERSION})
-NODE_ID = Leaf(lambda item: item.value, {"type": "integer", "minimum": 1, "maximum": 127})
 
 
 class Node(Table):
@@ -310,7 +331,7 @@ class Node(Table):
 
     device: Name
     """Which device, by its name in `canopen-twin list`."""
-    node_id: Annotated[Item, NODE_ID] | None = None
+    node_id: NodeId | None = None
     """The node id it is delivered with, 1..127."""
     settings: Parameters | None = None
     """How it is delivered and what is around it; see `canopen-twin settings DEVICE`."""
@@ -322,9 +343,9 @@ Nodes = Annotated[dict[Name, IfRight[Node]], Field(min_length=1, max_length=MOST
 class File(Table):
     """What every file has."""
 
-    version: Annotated[Item, KNOWN_VERSION]
+    version: Annotated[None, Leaf(_check_version, {"const": VERSION})]
     """Version of the format: 1."""
-    note: Text | None = None
+    note: Text = ""
     """Free text."""
 
 
@@ -341,17 +362,17 @@ class ScenarioFile(File):
     """Twins and what happens to them; it is played and judged."""
 
     model_config = ConfigDict(title="Scenario")
-    rules = (OneOf("says who takes part", ("node", "nodes"), "a scenario"),)
+    rules = (one_of("says who takes part", ("node", "nodes"), "a scenario"),)
 
-    name: Text | None = None
+    name: Text = ""
     """What happens, in a few words."""
     covers: Listed[Text] | None = None
     """The statements it is about, such as T-193."""
-    seed: Annotated[Item, whole(0, HIGHEST_SEED)] | None = None
+    seed: Annotated[int, whole(0, HIGHEST)] | None = None
     """Where chance begins, for every fault and device that has a `seed` and is given none."""
     duration: Seconds | None = None
     """Seconds that the run lasts at least; without it conditions are waited for another 60 s."""
-    bit_rate: Annotated[Item, whole(*BIT_RATES)] | None = None
+    bit_rate: Annotated[int, whole(*BIT_RATES)] | None = None
     """Bit/s of the simulated bus; frames take no time if it is left out."""
     node: Node | None = None
     """Who takes part, if it is one; its name is that of its device."""

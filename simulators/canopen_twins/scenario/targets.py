@@ -1,6 +1,5 @@
 """Objects as a scenario names them: "Run command", "Record.Entry", 0x2014 or 0x1003:0A."""
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -9,10 +8,8 @@ from canopen.objectdictionary import ODVariable
 from canopen.objectdictionary.datatypes import VISIBLE_STRING
 
 from canopen_twins.errors import UserError, unknown
-from canopen_twins.files.document import Item
+from canopen_twins.slave.dictionary import address_text, entries, parse_address
 from canopen_twins.slave.object import Address
-
-ADDRESS = re.compile(r"0x([0-9A-Fa-f]{4})(?::([0-9A-Fa-f]{2}))?")
 
 
 @dataclass(frozen=True)
@@ -40,53 +37,51 @@ class Targets:
     def __init__(self, od: ObjectDictionary) -> None:
         self._known = dict(_named(od))
 
-    def find(self, item: Item) -> Target:
+    def find(self, text: str) -> Target:
         """An object that is there.
 
         Raises:
             UserError: it is not.
         """
-        return self.named(item.text)
-
-    def named(self, text: str) -> Target:
-        """The same for a text that is in no file; raises as `find` does."""
-        name = self._text(text) if text.startswith("0x") else text
+        name = self._address(text) if text.startswith("0x") else text
         if name not in self._known:
             raise unknown("object", name, self._known)
         variable = self._known[name]
         return Target(text, (variable.index, variable.subindex), variable)
 
-    def find_any(self, item: Item) -> Target:
+    def find_any(self, text: str) -> Target:
         """The same; an address may also lead nowhere, for a master that shall be refused.
 
         Raises:
             UserError: no object has this name.
         """
-        if not (match := ADDRESS.fullmatch(item.text)):
-            return self.find(item)
-        address = int(match[1], 16), int(match[2] or "0", 16)
-        return Target(item.text, address, self._known.get(_text(*address)))
+        if not (parsed := parse_address(text)):
+            return self.find(text)
+        address = parsed[0], parsed[1] or 0
+        return Target(text, address, self._known.get(address_text(address)))
 
-    def _text(self, address: str) -> str:
-        if not ADDRESS.fullmatch(address):
-            raise UserError(f"{address!r} is no address; addresses look like 0x2014 or 0x1003:0A")
-        text = f"0x{address[2:].upper()}"
+    def find_readable(self, text: str) -> Target:
+        """The same; raises also if the EDS lets nobody read it."""
+        target = self.find(text)
+        if target.variable is not None and not target.variable.readable:
+            raise UserError(
+                f"{target.variable.name!r} is write only; "
+                "if that is the point, put abort: 0x06010001 beside"
+            )
+        return target
+
+    def _address(self, text: str) -> str:
+        if not parse_address(text):
+            raise UserError(f"{text!r} is no address; addresses look like 0x2014 or 0x1003:0A")
+        text = f"0x{text[2:].upper()}"
         if f"{text}:00" in self._known and text not in self._known:
             raise UserError(f"{text} is a record: say which entry of it, such as {text}:01")
         return text
 
 
 def _named(od: ObjectDictionary) -> Iterator[tuple[str, ODVariable]]:
-    for name, item in od.names.items():
-        if isinstance(item, ODVariable):
-            yield name, item
-            yield f"0x{item.index:04X}", item
-            yield _text(item.index, 0), item
-        else:
-            for variable in item.subindices.values():
-                yield f"{name}.{variable.name}", variable
-                yield _text(variable.index, variable.subindex), variable
-
-
-def _text(index: int, subindex: int) -> str:
-    return f"0x{index:04X}:{subindex:02X}"
+    for name, variable in entries(od):
+        yield name, variable
+        if variable.parent is od:
+            yield f"0x{variable.index:04X}", variable
+        yield address_text((variable.index, variable.subindex)), variable

@@ -7,11 +7,11 @@ from functools import partial, reduce
 from operator import or_
 from typing import NamedTuple
 
+from canopen_twins.bus import identifiers
 from canopen_twins.bus.frame import Frame
 from canopen_twins.files.shipped import od_file
-from canopen_twins.slave import cob_id as cob_ids
 from canopen_twins.slave.object import Address, Object, Rejected
-from canopen_twins.slave.service import Service, State
+from canopen_twins.slave.service import Service, State, check_cob_id_change
 from canopen_twins.slave.slave import Slave
 
 EMCY_LENGTH, FIELD_LENGTH = 8, 5  # bytes: all of it, and the manufacturer-specific error field
@@ -87,8 +87,8 @@ def register(errors: Iterable[Emcy]) -> int:
 
 def emcy_id(slave: Slave) -> int | None:
     """The identifier of its emergencies; none while they are switched off."""
-    cob_id = slave.number(0x1014) if slave.has(0x1014) else 0x80 + slave.node_id
-    return None if cob_id & cob_ids.INVALID else cob_id & cob_ids.CAN_ID
+    default = identifiers.emcy(slave.node_id)
+    return identifiers.of_cob_id(slave.number(0x1014) if slave.has(0x1014) else default)
 
 
 def emcy_data(emcy: Emcy, bits: int) -> bytes:
@@ -169,12 +169,12 @@ class EmcyProducer(Service):
     def _send(self, emcy: Emcy, bits: int) -> None:
         cob_id = emcy_id(self.slave)
         if cob_id is not None:
-            self.slave.wire.put(Frame(cob_id, emcy_data(emcy, bits)))
+            self.slave.send(Frame(cob_id, emcy_data(emcy, bits)))
 
     def _check_cob_id(self, value: int) -> None:
         if value & BIT_30:
             raise Rejected("bit 30 of an emergency is always 0")
-        cob_ids.check_change(self.slave.number(0x1014), value)
+        check_cob_id_change(self.slave.number(0x1014), value)
 
     @property
     def _depth(self) -> int:

@@ -5,11 +5,11 @@ from enum import IntEnum
 from operator import eq, ge, le
 from typing import NamedTuple, Protocol
 
+from canopen_twins.bus import identifiers
 from canopen_twins.bus.frame import Frame
 from canopen_twins.slave.service import Listening, Service
 from canopen_twins.slave.slave import Slave
 
-REQUEST, ANSWER = 0x7E5, 0x7E4
 LENGTH = 8
 VENDOR, PRODUCT, REVISION, SERIAL = range(1, 5)  # sub-indices of the identity 0x1018
 
@@ -41,7 +41,7 @@ class Configurable(Protocol):
         """Make node id and bit rate outlive the power."""
 
 
-class Step(NamedTuple):
+class IdentityRequest(NamedTuple):
     """One request of a sequence that addresses a slave by its identity."""
 
     command: int
@@ -50,38 +50,38 @@ class Step(NamedTuple):
 
 
 SELECT = (
-    Step(0x40, VENDOR, eq),
-    Step(0x41, PRODUCT, eq),
-    Step(0x42, REVISION, eq),
-    Step(0x43, SERIAL, eq),
+    IdentityRequest(0x40, VENDOR, eq),
+    IdentityRequest(0x41, PRODUCT, eq),
+    IdentityRequest(0x42, REVISION, eq),
+    IdentityRequest(0x43, SERIAL, eq),
 )
 IDENTIFY = (
-    Step(0x46, VENDOR, eq),
-    Step(0x47, PRODUCT, eq),
-    Step(0x48, REVISION, ge),
-    Step(0x49, REVISION, le),
-    Step(0x4A, SERIAL, ge),
-    Step(0x4B, SERIAL, le),
+    IdentityRequest(0x46, VENDOR, eq),
+    IdentityRequest(0x47, PRODUCT, eq),
+    IdentityRequest(0x48, REVISION, ge),
+    IdentityRequest(0x49, REVISION, le),
+    IdentityRequest(0x4A, SERIAL, ge),
+    IdentityRequest(0x4B, SERIAL, le),
 )
 
 
-class Address:
+class AddressSequence:
     """Follows a sequence of requests and knows when all of them have meant this slave."""
 
-    def __init__(self, steps: Sequence[Step], slave: Slave) -> None:
-        self.commands = frozenset(step.command for step in steps)
-        self._steps = steps
+    def __init__(self, requests: Sequence[IdentityRequest], slave: Slave) -> None:
+        self.commands = frozenset(request.command for request in requests)
+        self._requests = requests
         self._slave = slave
         self._passed = 0
 
     def hear(self, data: bytes) -> bool:
         """Take the next request; whether the sequence is complete with it."""
-        if data[0] == self._steps[0].command:
+        if data[0] == self._requests[0].command:
             self._passed = 0
-        step = self._steps[self._passed]
-        own = self._slave.number(0x1018, step.subindex)
-        fits = data[0] == step.command and step.fits(own, int.from_bytes(data[1:5], "little"))
-        self._passed = (self._passed + 1) % len(self._steps) if fits else 0
+        request = self._requests[self._passed]
+        own = self._slave.number(0x1018, request.subindex)
+        fits = data[0] == request.command and request.fits(own, int.from_bytes(data[1:5], "little"))
+        self._passed = (self._passed + 1) % len(self._requests) if fits else 0
         return fits and not self._passed
 
 
@@ -92,8 +92,8 @@ class LssSlave(Service):
         super().__init__(slave)
         self.configuring = False
         self._device = device
-        self._select = Address(SELECT, slave)
-        self._identify = Address(IDENTIFY, slave)
+        self._select = AddressSequence(SELECT, slave)
+        self._identify = AddressSequence(IDENTIFY, slave)
         self._commands: Mapping[int, Callable[[bytes], bytes | None]] = {
             0x11: self._configure_node_id,
             0x13: self._configure_bit_timing,
@@ -108,7 +108,7 @@ class LssSlave(Service):
 
     def listen(self) -> Listening:
         """The requests of the LSS master."""
-        yield (REQUEST, False), self.on_request
+        yield (identifiers.LSS_REQUEST, False), self.on_request
 
     def on_request(self, frame: Frame) -> None:
         """Answer where CiA 305 wants an answer; a slave that is not meant is silent."""
@@ -131,7 +131,7 @@ class LssSlave(Service):
 
     def _answer(self, command: int, content: bytes = b"") -> None:
         data = (bytes([command]) + content).ljust(LENGTH, b"\0")
-        self.slave.wire.put(Frame(ANSWER, data))
+        self.slave.send(Frame(identifiers.LSS_ANSWER, data))
 
     def _configure_node_id(self, data: bytes) -> bytes:
         accepted = self._device.configure_node_id(data[1])
@@ -150,9 +150,9 @@ class LssSlave(Service):
     def _activate_bit_timing(self, data: bytes) -> None:
         """Off the bus for the delay, switch, off the bus for it again: then all have switched."""
         delay = int.from_bytes(data[1:3], "little") / 1000
-        self.slave.wire.shut = True
+        self.slave.shut = True
         self.slave.clock.after(delay, self._device.activate_bit_timing)
         self.slave.clock.after(2 * delay, self._reopen)
 
     def _reopen(self) -> None:
-        self.slave.wire.shut = False
+        self.slave.shut = False

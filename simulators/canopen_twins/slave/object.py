@@ -30,7 +30,6 @@ class Abort(IntEnum):
     BLOCK_SIZE = 0x05040002
     SEQUENCE_NUMBER = 0x05040003
     CRC = 0x05040004
-    OUT_OF_MEMORY = 0x05040005
     WRITE_ONLY = 0x06010001
     READ_ONLY = 0x06010002
     NO_OBJECT = 0x06020000
@@ -143,6 +142,8 @@ class Entry:
         try:
             return self.pack(value)
         except (struct.error, AttributeError, TypeError) as refusal:
+            if not self._owner:  # a service of ours
+                raise
             raise UserError(self._misread(value)) from refusal
 
     def _misread(self, value: object) -> str:

@@ -4,10 +4,9 @@ from collections.abc import Callable, Iterable, Mapping
 from enum import StrEnum
 
 from canopen_twins.bus.frame import Frame
-from canopen_twins.slave.object import Address, Object
+from canopen_twins.bus.identifiers import CAN_ID, INVALID, RESERVED, is_restricted
+from canopen_twins.slave.object import Address, Object, Rejected
 from canopen_twins.slave.slave import Slave
-
-NODE_IDS = range(1, 128)  # CiA 301, 7.2.4.3.1
 
 Handler = Callable[[Frame], None]
 Heard = tuple[int, bool]
@@ -57,3 +56,22 @@ class Service:
 
     def publish(self) -> None:
         """Called after every frame and every step while active: send what is new."""
+
+
+def check_cob_id(value: int) -> None:
+    """Raises `Rejected` if a COB-ID names no identifier, or one of another service (7.3.5)."""
+    if value & RESERVED:
+        raise Rejected(f"{value:08X}h: identifiers have 11 bits")
+    if not value & INVALID and is_restricted(value & CAN_ID):
+        raise Rejected(f"{value & CAN_ID:03X}h belongs to another service")
+
+
+def check_cob_id_change(before: int, value: int, *, strict: bool = False) -> None:
+    """Raises `Rejected` if more than bit 31 changes while it is 0 before and after the write.
+
+    `strict` wants it to be 1 before.
+    """
+    changed = (before ^ value) & ~INVALID
+    if changed and not before & INVALID and (strict or not value & INVALID):
+        raise Rejected("bit 31 has to be set before the identifier changes")
+    check_cob_id(value)

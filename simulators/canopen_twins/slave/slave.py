@@ -9,8 +9,9 @@ from typing import Any
 from canopen import LocalNode, ObjectDictionary, SdoAbortedError
 
 from canopen_twins.bus.clock import Scope
+from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.wire import Wire
-from canopen_twins.slave.dictionary import DUMMIES, variables
+from canopen_twins.slave.eds.reader import DUMMY_TYPES, entries_of
 from canopen_twins.slave.object import Abort, Address, Entry, Object, Rejected
 from canopen_twins.slave.profile import Profile
 
@@ -30,17 +31,18 @@ class Slave(LocalNode):
         self.node_id = node_id
         self.wire = wire
         self.clock = clock  # a reset makes a fresh slave: the timers of this one end with it
+        self.shut = False
+        """Off the bus for a while: nothing goes out, nothing comes in. A service says so."""
         self.profile = profile or Profile()
         self.entries: dict[int, dict[int, Entry]] = {}
         self.on_communication_change: Callable[[], None] = lambda: None
         self.changes = 0  # of the communication area, for whoever has worked something out from it
         self.dummies: dict[int, int] = {}  # those the EDS allows, with their bits
         for index, item in od.indices.items():
-            if index in DUMMIES:
+            if index in DUMMY_TYPES:
                 self.dummies[index] = len(item)
             else:
                 self._add(index, item)
-        wire.shut = False
         for other in list(wire):
             del wire[other]
         wire[node_id] = self
@@ -48,7 +50,7 @@ class Slave(LocalNode):
     def _add(self, index: int, item: Any) -> None:
         cell = self.data_store.setdefault(index, {})
         self.entries[index] = {}
-        for subindex, variable in variables(item).items():
+        for subindex, variable in entries_of(item).items():
             self.entries[index][subindex] = Entry(variable, cell)
 
     def keep_application(self, before: "Slave") -> None:
@@ -106,6 +108,11 @@ class Slave(LocalNode):
             longer = length > entry.size
             code = self.profile.too_long if longer else self.profile.too_short
             raise Rejected(f"{length} bytes for an object of {entry.size}", code)
+
+    def send(self, frame: Frame) -> None:
+        """Send a frame; lost while the slave is off the bus."""
+        if not self.shut:
+            self.wire.put(frame)
 
     def get_data(self, index: int, subindex: int, check_readable: bool = False) -> bytes:
         """What canopen's own `node.sdo[...]` reads."""

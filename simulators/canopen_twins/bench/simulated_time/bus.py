@@ -12,6 +12,7 @@ from canopen_twins.bench.simulated_time.primitives import EPOCH, Condition, Queu
 from canopen_twins.bench.simulated_time.scheduler import Scheduler, in_force
 from canopen_twins.bus.clock import Clock
 from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.python_can import frame_of, message_of
 
 BIT_RATE = 500_000
 OVERHEAD, EXTENSION = 47, 20  # bits around the data, with a pause of three; 29-bit identifiers
@@ -60,8 +61,7 @@ class SimulatedBus(can.BusABC):
         if msg.is_fd or msg.is_error_frame:
             raise can.CanOperationError("a bench carries data frames and remote frames of CAN 2.0")
         self._scheduler.current()
-        remote, extended = msg.is_remote_frame, msg.is_extended_id
-        self._wire.put(Frame(msg.arbitration_id, bytes(msg.data), remote, extended))
+        self._wire.put(frame_of(msg))
         try:
             self._scheduler.segment.deliver()
         except Exception as bug:  # of a twin: python-can and canopen log it at best
@@ -86,15 +86,8 @@ class SimulatedBus(can.BusABC):
             self._scheduler.clock.after(delay, partial(self._receive, frame))
 
     def _receive(self, frame: Frame) -> None:
-        self._received.append(
-            can.Message(
-                timestamp=EPOCH + self._scheduler.clock.now,
-                arbitration_id=frame.can_id,
-                is_extended_id=frame.extended,
-                is_remote_frame=frame.remote,
-                data=frame.data,
-            )
-        )
+        now = EPOCH + self._scheduler.clock.now
+        self._received.append(message_of(frame, timestamp=now))
         self._scheduler.changed()
 
 

@@ -7,7 +7,15 @@ from collections import deque
 import can
 
 from canopen_twins.bus.frame import Frame
-from canopen_twins.bus.hub.protocol import Address, Refused, Stream, element, read_delivered, sent
+from canopen_twins.bus.hub.protocol import (
+    HubAddress,
+    Refused,
+    Stream,
+    element,
+    read_delivered,
+    sent,
+)
+from canopen_twins.bus.python_can import frame_of, message_of
 
 PATIENCE = 2.0  # seconds for the hub to take or to answer something
 CHUNK = 1 << 16  # bytes
@@ -16,7 +24,7 @@ CHUNK = 1 << 16  # bytes
 class HubBus(can.BusABC):
     """One client of a hub, or of a socketcand; remote frames come and go as such."""
 
-    def __init__(self, address: Address, channel: str) -> None:
+    def __init__(self, address: HubAddress, channel: str) -> None:
         """Join a bus by its name.
 
         Raises:
@@ -41,8 +49,7 @@ class HubBus(can.BusABC):
 
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
         """Send a frame of classic CAN."""
-        frame = Frame(msg.arbitration_id, bytes(msg.data), msg.is_remote_frame, msg.is_extended_id)
-        self._socket.sendall(sent(frame))
+        self._socket.sendall(sent(frame_of(msg)))
 
     def fileno(self) -> int:
         """For `select`, as python-can's notifier does."""
@@ -58,7 +65,7 @@ class HubBus(can.BusABC):
             self._fill()
         while self._inbox:
             if (frame := self._read(self._inbox.popleft())) is not None:
-                return _message(frame), False
+                return message_of(frame), False
         return None, False
 
     def _read(self, text: str) -> Frame | None:
@@ -82,12 +89,3 @@ class HubBus(can.BusABC):
             self._fill()
         if (text := self._inbox.popleft()) != answer:
             raise can.CanOperationError(f"the hub says: {text}")
-
-
-def _message(frame: Frame) -> can.Message:
-    return can.Message(
-        arbitration_id=frame.can_id,
-        is_extended_id=frame.extended,
-        is_remote_frame=frame.remote,
-        data=frame.data,
-    )

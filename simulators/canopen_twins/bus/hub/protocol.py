@@ -1,4 +1,4 @@
-"""Where a hub is: HOST:PORT."""
+"""What a hub and its clients say to each other, the protocol of socketcand, and where a hub is."""
 
 import re
 from collections.abc import Iterator
@@ -6,19 +6,20 @@ from ipaddress import ip_address
 from typing import NamedTuple
 
 from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.identifiers import Cob, classify
 from canopen_twins.errors import UserError
 
 LOOPBACK, PORT = "127.0.0.1", 29536  # the port of socketcand
 
 
-class Address(NamedTuple):
+class HubAddress(NamedTuple):
     """A host by its name or number, and a TCP port."""
 
     host: str = LOOPBACK
     port: int = PORT
 
     @classmethod
-    def parse(cls, text: str) -> "Address":
+    def parse(cls, text: str) -> "HubAddress":
         """Read HOST:PORT, where either may be left out; numbers of IPv6 stand in brackets.
 
         Raises:
@@ -50,11 +51,7 @@ SEND_REMOTE = re.compile(r"sendrtr (?P<id>[0-9A-Fa-f]{1,8}) [0-8]")
 FRAME = re.compile(r"frame (?P<id>[0-9A-Fa-f]{3,8}) [0-9.]+(?P<data>( ?[0-9A-Fa-f]{2}){0,8})")
 REMOTE = re.compile(r"rtr (?P<id>[0-9A-Fa-f]{3,8}) [0-9.]+ [0-8]")
 
-ASKED_FOR = frozenset(
-    base + node
-    for base in (0x180, 0x280, 0x380, 0x480, 0x700)  # CiA 301: TPDO 1..4, node guarding
-    for node in range(1, 128)
-)
+ASKED_FOR = (Cob.TPDO, Cob.HEARTBEAT)  # by remote frames; with that of heartbeats: node guarding
 
 
 class Refused(ValueError):  # noqa: N818 - of the client, not an error of ours
@@ -127,11 +124,16 @@ def read_sent(text: str) -> Frame:
         raise Refused("no frame of classic CAN")
     data = bytes(int(byte, 16) for byte in match["data"].split())
     frame, length = _frame(match["id"], data), int(match["length"])
-    if not data and (length or (frame.can_id in ASKED_FOR and not frame.extended)):
+    if not data and (length or _makes_sense_as_remote(frame)):
         return frame._replace(remote=True, data=b"")
     if length != len(data):
         raise Refused(f"{len(data)} bytes of {length}")
     return frame
+
+
+def _makes_sense_as_remote(frame: Frame) -> bool:
+    known = None if frame.extended else classify(frame.can_id)
+    return known is not None and known.cob in ASKED_FOR
 
 
 def read_delivered(text: str) -> Frame | None:

@@ -1,4 +1,4 @@
-"""Who is connected to the hub, and who is on which bus."""
+"""The hub: buses over TCP, where what one client sends all others on its bus get."""
 
 import asyncio
 import logging
@@ -8,38 +8,32 @@ import socket
 import time
 from collections.abc import Callable, Mapping
 from enum import Enum
-from typing import ClassVar, Protocol
+from typing import ClassVar
 
 from canopen_twins.bus.frame import Frame
-from canopen_twins.bus.hub.protocol import Address, Refused, Stream, delivered, element, read_sent
+from canopen_twins.bus.hub.protocol import (
+    HubAddress,
+    Refused,
+    Stream,
+    delivered,
+    element,
+    read_sent,
+)
 from canopen_twins.errors import UserError
-
-
-class Client(Protocol):
-    """What the switch knows of a connection."""
-
-    bus: str
-    """Empty for one that is on none."""
-
-    def deliver(self, data: bytes) -> None:
-        """Bring it a frame; never waits."""
-
-    def hang_up(self) -> None:
-        """End it."""
 
 
 class Switch:
     """What one client of a bus sends all others on it get, in the order in which it came."""
 
     def __init__(self) -> None:
-        self.clients: dict[Client, None] = {}  # a set that keeps the order
-        self._buses: dict[str, dict[Client, None]] = {}
+        self.clients: dict[Connection, None] = {}  # a set that keeps the order
+        self._buses: dict[str, dict[Connection, None]] = {}
 
-    def join(self, client: Client) -> None:
+    def join(self, client: "Connection") -> None:
         """Let a client hear its bus from now on."""
         self._buses.setdefault(client.bus, {})[client] = None
 
-    def leave(self, client: Client) -> None:
+    def leave(self, client: "Connection") -> None:
         """Forget a client, and a bus on which nobody is left."""
         self.clients.pop(client, None)
         bus = self._buses.get(client.bus, {})
@@ -47,7 +41,7 @@ class Switch:
         if not bus:
             self._buses.pop(client.bus, None)
 
-    def send(self, sender: Client, frame: Frame) -> None:
+    def send(self, sender: "Connection", frame: Frame) -> None:
         """Bring a frame to everybody else on the sender's bus."""
         data = delivered(frame, time.time())
         for client in tuple(self._buses[sender.bus]):
@@ -79,6 +73,7 @@ class Connection(asyncio.Protocol):
 
     def __init__(self, switch: Switch) -> None:
         self.bus = ""
+        """Empty while it is on none."""
         self._switch = switch
         self._stage = Stage.GREETED
         self._stream = Stream()
@@ -93,7 +88,7 @@ class Connection(asyncio.Protocol):
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BUFFER)
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
         peer = transport.get_extra_info("peername")  # none if it is gone again
-        self._name = str(Address(*peer[:2])) if peer else "somebody"
+        self._name = str(HubAddress(*peer[:2])) if peer else "somebody"
         if len(self._switch.clients) >= MOST_CLIENTS:
             self._refuse(f"there are {MOST_CLIENTS} clients already")
             return
@@ -194,7 +189,7 @@ NAP = 0.05  # seconds until `stopped` is asked again
 
 
 def serve_hub(
-    address: Address, stopped: Callable[[], bool], ready: Callable[[Address], None]
+    address: HubAddress, stopped: Callable[[], bool], ready: Callable[[HubAddress], None]
 ) -> None:
     """Serve until `stopped` says so; `ready` is told the address, with a free port for port 0.
 
@@ -205,7 +200,7 @@ def serve_hub(
 
 
 async def _serve(
-    address: Address, stopped: Callable[[], bool], ready: Callable[[Address], None]
+    address: HubAddress, stopped: Callable[[], bool], ready: Callable[[HubAddress], None]
 ) -> None:
     switch = Switch()
     try:
@@ -214,7 +209,7 @@ async def _serve(
         )
     except OSError as failure:
         raise UserError(f"no hub at {address}: {_words(failure)}") from failure
-    ready(Address(address.host, server.sockets[0].getsockname()[1]))
+    ready(HubAddress(address.host, server.sockets[0].getsockname()[1]))
     while not stopped():
         await asyncio.sleep(NAP)
     server.close()

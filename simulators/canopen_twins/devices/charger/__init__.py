@@ -1,42 +1,45 @@
 """Eltex POWER CHARGER, types PCSC, PCMT, PCRT and PCTL, with its variants /A and /C."""
 
 import logging
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import cast
 
 from canopen import ObjectDictionary
 from canopen.objectdictionary import ODRecord, ODVariable
 
-from canopen_twins.device import device
-from canopen_twins.device.chart import Chart
-from canopen_twins.device.device import Message
-from canopen_twins.device.faults import Fault
-from canopen_twins.devices.charger import card, messages
-from canopen_twins.devices.charger import plant as unit
-from canopen_twins.devices.charger.actual_values import ActualValues
-from canopen_twins.devices.charger.card import CYCLE
+from canopen_twins.device import (
+    Address,
+    Chart,
+    Emcy,
+    Fault,
+    Message,
+    Object,
+    Rejected,
+    Service,
+    Slave,
+    device,
+)
+from canopen_twins.devices.charger import communication, messages
 from canopen_twins.devices.charger.chart import chart
-from canopen_twins.devices.charger.control import Control
+from canopen_twins.devices.charger.communication import CYCLE, HEARTBEAT, Network, Place
 from canopen_twins.devices.charger.faults import faults
 from canopen_twins.devices.charger.model.charger import Charger
-from canopen_twins.devices.charger.model.hours import MINUTE
-from canopen_twins.devices.charger.model.ticks import TICK
-from canopen_twins.devices.charger.network import Network, Place
+from canopen_twins.devices.charger.model.parameters import Parameter
+from canopen_twins.devices.charger.model.surroundings import Surroundings
+from canopen_twins.devices.charger.model.ticks import MINUTE, TICK
+from canopen_twins.devices.charger.model.types import Mode
 from canopen_twins.devices.charger.object_table import addresses, factory, file_name
-from canopen_twins.devices.charger.plant import Plant, quiet
-from canopen_twins.devices.charger.settings import Settings
+from canopen_twins.devices.charger.objects import Control, actual_values
+from canopen_twins.devices.charger.settings import Settings, build, detector, undisturbed
 from canopen_twins.devices.charger.storage import Storage
 from canopen_twins.slave.dictionary import dictionary
-from canopen_twins.slave.emcy import Emcy
 from canopen_twins.slave.lss import LssSlave
-from canopen_twins.slave.object import Address, Object, Rejected
-from canopen_twins.slave.service import Service
-from canopen_twins.slave.slave import Slave
 
 log = logging.getLogger(__name__)
 
 LED_BAR = (0x2002, 0x1D)
 FACTORY_BIT_TIMING = 4  # 2002h:07h
+TO_MICRO = 1e6
 
 
 class Device(device.Device):
@@ -45,20 +48,20 @@ class Device(device.Device):
     eds = "charger_pcsc.eds"
     title = "Eltex POWER CHARGER high-voltage generator (CANopen protocol description)"
     settings = Settings()
-    stored = (card.HEARTBEAT, CYCLE, LED_BAR)
+    stored = (HEARTBEAT, CYCLE, LED_BAR)
     cycle = TICK
 
     def configure(self, **given: object) -> None:
         """Change settings while the supply is off; what surrounds it is as delivered."""
-        self.plant = Plant()
+        self.disturbances: dict[str, Callable[[Surroundings], Surroundings]] = {}
         super().configure(**given)
-        self.profile = card.profile(self.settings)
+        self.profile = communication.profile(self.settings)
 
     def check(self) -> None:
         """What no range of a single setting can say."""
-        card.check(self.settings)
+        communication.check(self.settings)
         messages.catalogue(self.settings.messages)
-        quiet(self.settings)
+        undisturbed(self.settings)
 
     @property
     def node_id(self) -> int:
@@ -70,8 +73,8 @@ class Device(device.Device):
         """Everything that is not plain memory, of what this type and variant has."""
         exists = addresses(self.build)
         acting = {
-            **card.objects(self.settings),
-            **ActualValues(self.charger).objects,
+            **communication.objects(self.settings),
+            **actual_values(self.charger),
             **self.control.objects,
             **self.network.objects,
         }
@@ -105,8 +108,18 @@ class Device(device.Device):
     @property
     def report(self) -> Mapping[str, object]:
         """The charger as its own display would show it."""
+        charger = self.charger
+        output, discharge = charger.charging.output, charger.discharging.now
         return {
-            **unit.display(self.charger),
+            "release": charger.release.state.name,
+            "mode": Mode(charger.parameters[Parameter.MODE]).name,
+            "voltage [V]": round(output.voltage),
+            "current [uA]": round(output.current * TO_MICRO),
+            "power [W]": round(output.power, 1),
+            "limited by": output.limiter.value if output.limiter else "nothing",
+            "discharging [V]": round(discharge.voltage),
+            "supply [V]": round(charger.supply.voltage, 2),
+            "sparks": [*charger.charging.sparks.counts.values()],
             "messages": [emcy.label for emcy in self.emergencies],
             "bit rate [kbit/s]": self.network.bit_rate // 1000,
         }
@@ -114,18 +127,18 @@ class Device(device.Device):
     @property
     def chart(self) -> Chart:
         """Its outputs and the sparks, and the state of the release."""
-        return chart(self)
+        return chart(self.charger)
 
     def dictionary(self) -> ObjectDictionary:
         """The EDS of the type and variant, with the heartbeat as delivered (A-01)."""
         od = super().dictionary()
-        cast(ODVariable, od[card.HEARTBEAT[0]]).default = self.settings.heartbeat_default_ms
+        cast(ODVariable, od[HEARTBEAT[0]]).default = self.settings.heartbeat_default_ms
         return od
 
     def pdos(self, slave: Slave) -> Iterable[Service]:
         """One to receive, three to send in one cycle."""
         silent = self.settings.tpdo3_without_discharge == "off" and not self.build.discharges
-        return card.pdos(slave, self.on_rpdo_refused, silent=silent)
+        return communication.pdos(slave, self.on_rpdo_refused, silent=silent)
 
     def services(self, slave: Slave) -> Iterable[Service]:
         """LSS changes node id and bit timing."""
@@ -133,21 +146,22 @@ class Device(device.Device):
 
     def make_model(self) -> None:
         """Cold, with what the memory has kept."""
-        self.build = unit.build(self.settings)
+        self.build = build(self.settings)
         self.eds = file_name(self.build)
         self.catalogue = messages.catalogue(self.settings.messages)
         entries = dictionary(self.eds, self.settings.node_id)[0x2002]
         self.storage = Storage(self.memory, cast(ODRecord, entries).subindices)
         self._factory = factory(self.build.kind)
         self._find_place()
-        values, detector = self.storage.parameters(self._factory), unit.detector(self.settings)
-        self.charger = Charger(self.build, values, self.catalogue, detector)
+        values = self.storage.parameters(self._factory)
+        self.charger = Charger(self.build, values, self.catalogue, detector(self.settings))
         self.charger.hours = self.storage.hours()
         self._saved = self.charger.hours.operating // MINUTE
         self.control = Control(self.charger)
         self.apply()
-        for kind, key in self.charger.messages.unreported:
-            log.warning("%s %r has no message in the catalogue", kind.name.lower(), key)
+        for severity, key in self.charger.messages.unreported:
+            name = severity.name.lower()
+            log.warning("%s %r has no message in the catalogue", name, key)
 
     def power_off(self) -> None:
         """The hour counters survive."""
@@ -177,8 +191,13 @@ class Device(device.Device):
         self.control.on_rpdo_refused(refusal)
 
     def apply(self) -> None:
-        """The surroundings follow at once."""
-        self.plant.surround(self.charger, self.settings)
+        """The surroundings follow at once, those that faults have disturbed among them."""
+        wanted, present = undisturbed(self.settings), vars(self.charger.surroundings)
+        for disturb in self.disturbances.values():
+            wanted = disturb(wanted)
+        changes = {name: value for name, value in vars(wanted).items() if value != present[name]}
+        if changes:  # a storm that goes on must not begin anew
+            self.charger.surround(**changes)
 
     def step(self, dt: float) -> None:
         """Let time pass in the charger; its hour counters are kept by the minute."""

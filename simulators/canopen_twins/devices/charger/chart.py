@@ -1,56 +1,43 @@
 """What a charger shows over time: its outputs beside the setpoints, sparks, and its release."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
-from canopen_twins.device.chart import Band, Chart, Curve, Mood
+from canopen_twins.device import Band, Chart, Curve, Mood
+from canopen_twins.devices.charger.model.charger import Charger
 from canopen_twins.devices.charger.model.parameters import Parameter
-from canopen_twins.devices.charger.model.release import State
+from canopen_twins.devices.charger.model.release import ReleaseState
 from canopen_twins.devices.charger.model.types import Quantity
 
-if TYPE_CHECKING:
-    from canopen_twins.devices.charger import Device
-
-
 KILO, MICRO = 1e3, 1e6
-
-BANDS: Mapping[State, Band] = {
-    State.LOCKED: Band("locked", Mood.OFF),
-    State.ARMED: Band("armed", Mood.WAITING),
-    State.ON: Band("high voltage on", Mood.ACTIVE),
-    State.FAULT: Band("fault", Mood.ERROR),
+BANDS: Mapping[ReleaseState, Band] = {
+    ReleaseState.LOCKED: Band("locked", Mood.OFF),
+    ReleaseState.ARMED: Band("armed", Mood.WAITING),
+    ReleaseState.ON: Band("high voltage on", Mood.ACTIVE),
+    ReleaseState.FAULT: Band("fault", Mood.ERROR),
 }
 
 
-def chart(device: Device) -> Chart:
-    """The discharging voltage as well, if the variant has one; power-on makes a new charger."""
-    discharging = Curve(
-        "Discharging",
-        "kV",
-        lambda: device.charger.discharging.now.voltage / KILO,
-        lambda: device.charger.parameters[Parameter.VOLTAGE_SETPOINT_DISCHARGING] / KILO,
-    )
-    curves = (
+def chart(charger: Charger) -> Chart:
+    """The discharging voltage as well, if the variant has one."""
+    output, discharging = charger.charging.output, charger.discharging
+
+    def setpoint(quantity: Quantity) -> float:
+        return charger.charging.setpoints(charger.surroundings.analog)[quantity]
+
+    def discharging_setpoint() -> float:
+        return charger.parameters[Parameter.VOLTAGE_SETPOINT_DISCHARGING] / KILO
+
+    curves = [
         Curve(
             "Voltage",
             "kV",
-            lambda: device.charger.charging.output.voltage / KILO,
-            lambda: _setpoint(device, Quantity.VOLTAGE) / KILO,
+            lambda: output.voltage / KILO,
+            lambda: setpoint(Quantity.VOLTAGE) / KILO,
         ),
-        Curve(
-            "Current",
-            "µA",
-            lambda: device.charger.charging.output.current * MICRO,
-            lambda: _setpoint(device, Quantity.CURRENT),
-        ),
-        *(discharging,) * device.build.discharges,
-        Curve("Sparks", "", lambda: sum(device.charger.charging.sparks.counts.values())),
-    )
-    return Chart(curves, lambda: BANDS[device.charger.release.state])
-
-
-def _setpoint(device: Device, quantity: Quantity) -> float:
-    charger = device.charger
-    return charger.charging.setpoints(charger.surroundings.analog)[quantity]
+        Curve("Current", "µA", lambda: output.current * MICRO, lambda: setpoint(Quantity.CURRENT)),
+        Curve("Discharging", "kV", lambda: discharging.now.voltage / KILO, discharging_setpoint),
+        Curve("Sparks", "", lambda: sum(charger.charging.sparks.counts.values())),
+    ]
+    if not charger.build.discharges:
+        del curves[2]
+    return Chart(curves, lambda: BANDS[charger.release.state])

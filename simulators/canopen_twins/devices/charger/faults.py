@@ -1,23 +1,19 @@
-"""What goes wrong around a charger: each makes other surroundings of those that are there.
-
-Parameters come from users; what cannot be is refused with `UserError`.
-"""
+"""What goes wrong with a charger and around it; what cannot be is refused with `UserError`."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from canopen_twins.device.faults import Fault, Parameter
+from canopen_twins.device import Fault, Parameter
 from canopen_twins.devices.charger import messages
 from canopen_twins.devices.charger.model.charger import Key
 from canopen_twins.devices.charger.model.load import OPEN, SHORT
-from canopen_twins.devices.charger.model.messages import Kind
-from canopen_twins.devices.charger.model.release import Source
-from canopen_twins.devices.charger.model.sparks import WINDOW
-from canopen_twins.devices.charger.model.storm import Storm
+from canopen_twins.devices.charger.model.messages import Severity
+from canopen_twins.devices.charger.model.release import ReleaseSource
+from canopen_twins.devices.charger.model.sparks import WINDOW, Storm
 from canopen_twins.devices.charger.model.surroundings import Surroundings
 from canopen_twins.errors import UserError, unknown
 
@@ -25,13 +21,25 @@ if TYPE_CHECKING:
     from canopen_twins.devices.charger import Device
 
 
-MEGA, PERCENT = 1e6, 1e-2
+MEGA, MILLI, PERCENT = 1e6, 1e-3, 1e-2
 LOWEST_SUPPLY, HIGHEST_SUPPLY = 6.0, 40.0  # V
 SENSORS = ("power_stage", "inside", "cascade", "discharging")
 CONNECTORS = (1, 2)
+KEYPAD, TOUCH = "keypad", "touch"
+PLACES = (KEYPAD, TOUCH)
+SPARK = {
+    "slope": Parameter("mA/ms"),
+    "rise_time": Parameter("ms; the detector looks at 8 ms at least", 8.0),
+}
+MESSAGE = {
+    "key": Parameter("its key in the catalogue", "", str),
+    "number": Parameter("or its number", 0, int),
+    "code": Parameter("with a number: the EMCY code of a message that is not there", 0, int),
+}
+PLACE = {"at": Parameter("keypad, which 0x2002:1C locks, or touch", KEYPAD, str)}
 
 
-def spark_storm(
+def _spark_storm(
     around: Surroundings, rate: float, seed: int, breakdown: float, scale: float
 ) -> Surroundings:
     """Sparks at random; `scale` 0 V: the voltage does not matter."""
@@ -41,28 +49,7 @@ def spark_storm(
     return replace(around, storm=storm)
 
 
-def short(around: Surroundings) -> Surroundings:
-    """The electrode is at earth."""
-    return replace(around, electrode=SHORT)
-
-
-def open_electrode(around: Surroundings) -> Surroundings:
-    """The electrode is not there."""
-    return replace(around, electrode=OPEN)
-
-
-def conductive_pollution(around: Surroundings, megaohm: float) -> Surroundings:
-    """A leak beside the corona."""
-    return replace(around, leak=_positive("megaohm", megaohm) * MEGA)
-
-
-def insulating_pollution(around: Surroundings, percent: float) -> Surroundings:
-    """So much of the bar is covered."""
-    return replace(around, active=1 - _share(percent))
-
-
-def discharging_pollution(around: Surroundings, connector: int, percent: float) -> Surroundings:
-    """A discharging bar takes so much of the power of a clean one."""
+def _discharging_pollution(around: Surroundings, connector: int, percent: float) -> Surroundings:
     if connector not in CONNECTORS:
         raise UserError(f"discharging bars are connected to 1 and 2, not to {connector}")
     power, (first, second) = _positive("percent", percent) * PERCENT, around.bars.power
@@ -70,33 +57,16 @@ def discharging_pollution(around: Surroundings, connector: int, percent: float) 
     return replace(around, bars=around.bars._replace(power=powers))
 
 
-def hardware_release_lost(around: Surroundings) -> Surroundings:
-    """The contact of the charging is open."""
-    return replace(around, hardware_release=False)
-
-
-def discharging_release_lost(around: Surroundings) -> Surroundings:
-    """The contact of the discharging is open."""
-    return replace(around, hardware_release_discharging=False)
-
-
-def analog(around: Surroundings, percent: float) -> Surroundings:
-    """The analog input is driven."""
-    return replace(around, analog=_share(percent) / PERCENT)
-
-
-def supply(around: Surroundings, volts: float) -> Surroundings:
-    """Another voltage, without load."""
+def _supply(around: Surroundings, volts: float) -> Surroundings:
     if not LOWEST_SUPPLY <= volts <= HIGHEST_SUPPLY:
         raise UserError(f"a supply of {volts} V: 6..40 V; without any the power is off")
     return replace(around, supply_voltage=volts)
 
 
-def overtemperature(around: Surroundings, sensor: str, kelvin: float) -> Surroundings:
-    """A sensor reads so much more than the losses explain."""
+def _overtemperature(around: Surroundings, sensor: str, kelvin: float) -> Surroundings:
     if sensor not in SENSORS:
         raise unknown("sensor", sensor, SENSORS)
-    return replace(around, heat=around.heat._replace(**{sensor: kelvin}))
+    return replace(around, heat={**around.heat, sensor: kelvin})
 
 
 def _share(percent: float) -> float:
@@ -111,13 +81,18 @@ def _positive(what: str, value: float) -> float:
     return value
 
 
-MILLI = 1e-3
-KEYPAD, TOUCH = "keypad", "touch"
-PLACES = (KEYPAD, TOUCH)
+class Around(NamedTuple):
+    """Something that makes other surroundings of those that are there."""
 
-AROUND: Mapping[Callable[..., Surroundings], tuple[str, Mapping[str, Parameter]]] = {
-    spark_storm: (
+    text: str
+    change: Callable[..., Surroundings]
+    parameters: Mapping[str, Parameter]
+
+
+AROUND: Mapping[str, Around] = {
+    "spark_storm": Around(
         "Random sparks of all sizes while high voltage is on.",
+        _spark_storm,
         {
             "rate": Parameter("sparks in a second, at the breakdown voltage"),
             "seed": Parameter("of the random numbers", 0, int),
@@ -125,57 +100,63 @@ AROUND: Mapping[Callable[..., Surroundings], tuple[str, Mapping[str, Parameter]]
             "scale": Parameter("V for e times as many; 0: whatever the voltage", 0.0),
         },
     ),
-    short: ("The charging electrode is short-circuited.", {}),
-    open_electrode: ("Nothing is connected to the charging terminal.", {}),
-    conductive_pollution: (
+    "short": Around(
+        "The charging electrode is short-circuited.",
+        lambda around: replace(around, electrode=SHORT),
+        {},
+    ),
+    "open_electrode": Around(
+        "Nothing is connected to the charging terminal.",
+        lambda around: replace(around, electrode=OPEN),
+        {},
+    ),
+    "conductive_pollution": Around(
         "Conductive dirt on the charging bar: current leaks past the tips.",
+        lambda around, megaohm: replace(around, leak=_positive("megaohm", megaohm) * MEGA),
         {"megaohm": Parameter("of the leak", 10.0)},
     ),
-    insulating_pollution: (
+    "insulating_pollution": Around(
         "Insulating dirt on the charging bar: tips are covered.",
+        lambda around, percent: replace(around, active=1 - _share(percent)),
         {"percent": Parameter("of the bar that is covered, 0..100", 50.0)},
     ),
-    discharging_pollution: (
+    "discharging_pollution": Around(
         "Dirt on a discharging bar: it takes another power.",
+        _discharging_pollution,
         {
             "connector": Parameter("1 or 2", 1, int),
             "percent": Parameter("of the power of a clean bar; more than 150 is conductive", 200.0),
         },
     ),
-    hardware_release_lost: (
+    "hardware_release_lost": Around(
         "The contact of the hardware release opens: no high voltage, and no message.",
+        lambda around: replace(around, hardware_release=False),
         {},
     ),
-    discharging_release_lost: (
+    "discharging_release_lost": Around(
         "The contact of the hardware release for the discharging opens.",
+        lambda around: replace(around, hardware_release_discharging=False),
         {},
     ),
-    analog: (
+    "analog": Around(
         "The analog input is driven; 0x2002:02 and 03 say what it does.",
+        lambda around, percent: replace(around, analog=_share(percent) / PERCENT),
         {"percent": Parameter("of 20 mA or 10 V, 0..100")},
     ),
-    supply: (
+    "supply": Around(
         "The supply leaves its 24 V.",
+        _supply,
         {"volts": Parameter("without load, 6..40 V")},
     ),
-    overtemperature: (
+    "overtemperature": Around(
         "A temperature is higher than the losses explain.",
+        _overtemperature,
         {
             "sensor": Parameter(", ".join(SENSORS), SENSORS[0], str),
             "kelvin": Parameter("by so many K", 70.0),
         },
     ),
 }
-SPARK = {
-    "slope": Parameter("mA/ms"),
-    "rise_time": Parameter("ms; the detector looks at 8 ms at least", 8.0),
-}
-MESSAGE = {
-    "key": Parameter("its key in the catalogue", "", str),
-    "number": Parameter("or its number", 0, int),
-    "code": Parameter("with a number: the EMCY code of a message that is not there", 0, int),
-}
-PLACE = {"at": Parameter("keypad, which 0x2002:1C locks, or touch", KEYPAD, str)}
 
 
 def faults(device: Device) -> Mapping[str, Fault]:
@@ -186,7 +167,7 @@ def faults(device: Device) -> Mapping[str, Fault]:
             partial(_spark, device),
             parameters=SPARK,
         ),
-        **{change.__name__: _around(device, change) for change in AROUND},
+        **{name: _around(device, name) for name in AROUND},
         "hmi_on": Fault(
             "Somebody gives the release at the charger itself.",
             partial(_operate, device, Key.ON),
@@ -202,32 +183,32 @@ def faults(device: Device) -> Mapping[str, Fault]:
             partial(_wear, device, True),
             partial(_wear, device, False),
         ),
-        **{kind.name.lower(): _message(device, kind) for kind in Kind},
+        **{each.name.lower(): _message(device, each) for each in Severity},
     }
 
 
-def _around(device: Device, change: Callable[..., Surroundings]) -> Fault:
+def _around(device: Device, name: str) -> Fault:
     """Something in the surroundings is otherwise until it is cleared."""
-    text, parameters = AROUND[change]
+    text, change, parameters = AROUND[name]
 
     def inject(**values: object) -> None:
         change(device.charger.surroundings, **values)  # refuses before anything has changed
-        device.plant.disturb(change.__name__, partial(change, **values))
+        device.disturbances[name] = partial(change, **values)
         device.apply()
 
     def clear(**values: object) -> None:
-        device.plant.calm(change.__name__)
+        device.disturbances.pop(name, None)
         device.apply()
 
     return Fault(text, inject, clear, parameters)
 
 
-def _message(device: Device, kind: Kind) -> Fault:
-    name = kind.name.lower()
+def _message(device: Device, severity: Severity) -> Fault:
+    name = severity.name.lower()
     return Fault(
         f"Any {name}; its cause lasts until this fault is cleared, the {name} until 0x2003 is.",
-        lambda **told: device.charger.force(messages.find(device.catalogue, kind, **told)),
-        lambda **told: device.charger.unforce(messages.find(device.catalogue, kind, **told)),
+        lambda **told: device.charger.force(messages.find(device.catalogue, severity, **told)),
+        lambda **told: device.charger.unforce(messages.find(device.catalogue, severity, **told)),
         MESSAGE,
     )
 
@@ -246,10 +227,10 @@ def _operate(device: Device, key: Key, at: str) -> None:
     if at == KEYPAD:
         charger.press(key)
     else:
-        {Key.ON: charger.grant, Key.OFF: charger.revoke}[key](Source.HMI)
+        {Key.ON: charger.grant, Key.OFF: charger.revoke}[key](ReleaseSource.HMI)
 
 
 def _wear(device: Device, worn: bool) -> None:
     device.memory.worn = worn
-    if message := device.catalogue.keyed(Kind.ERROR, "parameter_memory"):
+    if message := device.catalogue.keyed(Severity.ERROR, "parameter_memory"):
         (device.charger.force if worn else device.charger.unforce)(message)

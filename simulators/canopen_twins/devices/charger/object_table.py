@@ -5,12 +5,11 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 
+from canopen_twins.device import Address
 from canopen_twins.devices.charger.model.parameters import Parameter
 from canopen_twins.devices.charger.model.types import Build, Type
 from canopen_twins.files.shipped import od_file
-from canopen_twins.slave.object import Address
 
-TABLE = "charger_objects.csv"
 PARAMETERS = "2002"
 
 
@@ -34,7 +33,7 @@ class Row:
 @cache
 def table() -> Sequence[Row]:
     """Every object and entry of the manual."""
-    with od_file(TABLE) as path, path.open(newline="", encoding="ascii") as file:
+    with od_file("charger_objects.csv") as path, path.open(newline="", encoding="ascii") as file:
         return [Row(**row) for row in csv.DictReader(file, strict=True)]
 
 

@@ -1,11 +1,22 @@
-"""Settings of the charger twin; an A-number marks an assumption (docs/devices/charger.md)."""
+"""Settings of the charger twin, and what they order and connect.
+
+An A-number marks an assumption (docs/devices/charger.md).
+"""
 
 from dataclasses import dataclass
 from typing import Literal
 
-from canopen_twins.device.settings import NodeSettings, setting
+from canopen_twins.device import NodeSettings, setting
+from canopen_twins.devices.charger.model.discharging import Bars
+from canopen_twins.devices.charger.model.load import Electrode, Resistor, Web
+from canopen_twins.devices.charger.model.sparks import Counting, Sparks, SparkValue
+from canopen_twins.devices.charger.model.surroundings import Surroundings
+from canopen_twins.devices.charger.model.types import TYPES, Build, Variant
+from canopen_twins.errors import UserError
+from canopen_twins.files.convert import convert
 
 UNSIGNED32 = 0xFFFF_FFFF
+MICRO = 1e-6
 
 
 @dataclass(frozen=True)
@@ -79,3 +90,50 @@ class Settings(NodeSettings):
     spark_classes: Literal["exclusive", "per_class", "cumulative"] = setting(
         "exclusive", "how many counters one spark may raise", assumed="A-57"
     )
+
+
+def build(settings: Settings) -> Build:
+    """Type and variant."""
+    variant = Variant("" if settings.variant == "base" else settings.variant)
+    return Build(TYPES[settings.kind], variant, superset=settings.variant_policy == "superset")
+
+
+def detector(settings: Settings) -> Sparks:
+    """The spark detector, by the reading of the manual that is wanted (A-56, A-57)."""
+    return Sparks(Counting(settings.spark_classes), SparkValue[settings.spark_value.upper()])
+
+
+def undisturbed(settings: Settings) -> Surroundings:
+    """What is around a charger when nothing is wrong.
+
+    Raises:
+        UserError: no such load.
+    """
+    return Surroundings(
+        ambient=settings.ambient,
+        electrode=electrode(settings.load),
+        web=Web(settings.web_width, settings.web_speed, settings.web_charge * MICRO),
+        bars=Bars(settings.bars),
+    )
+
+
+def electrode(text: str) -> Electrode | None:
+    """What is connected in the words of a setting; none is the bar of the type.
+
+    Raises:
+        UserError: neither a bar nor a resistor.
+    """
+    match text.split():
+        case ["bar"]:
+            return None
+        case ["resistor", number] | ["resistor", number, "ohm"]:
+            return _resistor(number)
+    raise UserError(f"setting 'load' is 'bar' or 'resistor OHM', not {text!r}")
+
+
+def _resistor(number: str) -> Resistor:
+    resistance = convert("setting 'load': the resistor", number, float)
+    assert isinstance(resistance, float)
+    if resistance <= 0:
+        raise UserError(f"setting 'load': a resistor of {number} ohm is none")
+    return Resistor(resistance)

@@ -7,10 +7,10 @@ from typing import Any
 
 from canopen.objectdictionary import ODVariable
 
-from canopen_twins.devices.charger import network
-from canopen_twins.devices.charger.model.hours import Hours
+from canopen_twins.device import Memory
+from canopen_twins.devices.charger.communication import Place, fits
 from canopen_twins.devices.charger.model.parameters import LIMITS, Parameter
-from canopen_twins.slave.memory import Memory
+from canopen_twins.devices.charger.model.ticks import Hours
 
 log = logging.getLogger(__name__)
 
@@ -44,12 +44,12 @@ class Storage:
         """Keep those of the factory. Raises OSError if the memory cannot be written."""
         self._memory.store(PARAMETERS, {})
 
-    def place(self, factory: network.Place) -> network.Place:
+    def place(self, factory: Place) -> Place:
         """Node id and bit timing as they were stored."""
-        stored = self._recall(NETWORK, factory._asdict(), lambda v: network.fits(**v))
-        return network.Place(**stored)
+        stored = self._recall(NETWORK, factory._asdict(), lambda v: fits(**v))
+        return Place(**stored)
 
-    def save_place(self, place: network.Place) -> None:
+    def save_place(self, place: Place) -> None:
         """Raises OSError if the memory cannot be written."""
         self._memory.store(NETWORK, place._asdict())
 

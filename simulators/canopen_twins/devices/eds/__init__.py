@@ -12,6 +12,7 @@ from pathlib import Path
 
 from canopen import ObjectDictionary
 
+from canopen_twins.bus.identifiers import NODE_IDS
 from canopen_twins.device.device import Device as AnyDevice
 from canopen_twins.device.settings import NodeSettings, setting
 from canopen_twins.devices.eds.network import Network
@@ -21,12 +22,11 @@ from canopen_twins.slave.eds.reader import UNCONFIGURED, entries_of
 from canopen_twins.slave.lss import LssSlave
 from canopen_twins.slave.object import Address
 from canopen_twins.slave.profile import Profile
-from canopen_twins.slave.service import NODE_IDS, Service
+from canopen_twins.slave.service import Service
 from canopen_twins.slave.slave import Slave
 
 log = logging.getLogger(__name__)
 
-SUFFIXES = (".eds", ".dcf", ".xdd", ".xdc")
 COMMANDS = (0x1003, 0x1010, 0x1011)  # what is written there is an order, not a value to keep
 DELIVERED = 1  # node id of a file that says none
 
@@ -103,11 +103,6 @@ class Device(AnyDevice):
         """LSS, if the file says so."""
         if self.dictionary().device_information.LSS_supported:
             yield LssSlave(slave, self.network)
-
-
-def is_file(name: str) -> bool:
-    """Whether a name of a device is the path of a file."""
-    return name.lower().endswith(SUFFIXES)
 
 
 def device_of(path: Path) -> type[Device]:

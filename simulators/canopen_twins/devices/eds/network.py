@@ -1,8 +1,8 @@
 """Node id of a file's device: in force, waiting for a reset, and stored (CiA 305)."""
 
+from canopen_twins.bus.identifiers import NODE_IDS
 from canopen_twins.slave.lss import Stored
 from canopen_twins.slave.memory import Memory
-from canopen_twins.slave.service import NODE_IDS
 
 SECTION = "lss"
 BIT_TIMINGS = {
@@ -24,7 +24,8 @@ class Network:
     def __init__(self, memory: Memory, delivered: int) -> None:
         self._memory = memory
         kept = memory.load(SECTION).get("node_id")
-        self.node_id = self.pending = kept if kept in NODE_IDS else delivered
+        self.node_id = int(kept) if kept in NODE_IDS else delivered
+        self.pending = self.node_id
         self.bit_timing = self._pending_timing = memory.load(SECTION).get("bit_timing")
 
     def reset(self) -> None:

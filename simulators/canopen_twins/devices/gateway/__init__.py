@@ -10,32 +10,22 @@ from canopen_twins.device.device import Message
 from canopen_twins.device.faults import Fault
 from canopen_twins.devices.gateway import delivery
 from canopen_twins.devices.gateway.chart import chart
-from canopen_twins.devices.gateway.dcdesk import DcDesk
 from canopen_twins.devices.gateway.faults import faults
-from canopen_twins.devices.gateway.messages import MESSAGES, emergencies
+from canopen_twins.devices.gateway.messages import MESSAGES, emergencies, report, silence
+from canopen_twins.devices.gateway.model.configuration import PARTNER_NODE
 from canopen_twins.devices.gateway.model.state import MasterCommand
-from canopen_twins.devices.gateway.model.store import Store
 from canopen_twins.devices.gateway.model.system import System
 from canopen_twins.devices.gateway.model.timing import GRID
-from canopen_twins.devices.gateway.nonvolatile import NonVolatile
-from canopen_twins.devices.gateway.object_dictionary import (
-    OWN_NODE,
-    PARTNER,
-    PROFILE,
-    fill,
-    identify,
-    measured,
-)
-from canopen_twins.devices.gateway.report import report, silence
+from canopen_twins.devices.gateway.object_dictionary import PROFILE, fill, identify, objects
 from canopen_twins.devices.gateway.settings import Settings
-from canopen_twins.devices.gateway.traffic import STATES, Disturbance, Traffic
+from canopen_twins.devices.gateway.traffic import STATES, Traffic
+from canopen_twins.devices.gateway.units import DcDesk, Units
 from canopen_twins.slave.emcy import Emcy
 from canopen_twins.slave.object import Address, Object
 from canopen_twins.slave.service import Service, State
 from canopen_twins.slave.slave import Slave
 
 MICROSECOND = 1e-6  # s
-KILOWATT = 1e3  # W
 COMMANDS = {  # Figure 3
     State.OPERATIONAL: MasterCommand.OPERATIONAL,
     State.STOPPED: MasterCommand.STOP,
@@ -51,12 +41,10 @@ class Device(device.Device):
     settings = Settings()
     profile = PROFILE
     cycle = GRID * MICROSECOND
-    system: System
 
     def configure(self, **given: object) -> None:
         """Deliver both units with these settings."""
-        self.disturbance = Disturbance()
-        self._load_step = 0.0
+        self.units = Units()
         super().configure(**given)
 
     def check(self) -> None:
@@ -66,43 +54,31 @@ class Device(device.Device):
 
     def make_model(self) -> None:
         """Both units as delivered, with what the memory has kept."""
-        self.system = delivery.system(self.settings)
-        delivered = delivery.configuration(self.settings)
-        self.nonvolatile = NonVolatile(self.system, delivered, self.memory)
-        self.apply()
+        self.units.renew(self.settings, self.memory)
 
     def apply(self) -> None:
         """What surrounds the engine follows at once."""
-        settings, governor = self.settings, self.system.governor
-        governor.engine.load = KILOWATT * (settings.load + self._load_step)
-        governor.operation.run = settings.run
-        governor.operation.local_setpoint = settings.speed
-        governor.operation.droop = settings.droop / 100
+        self.units.apply(self.settings)
 
-    def step_load(self, kilowatts: float) -> None:
-        """Let consumers draw this much beside those of the settings."""
-        self._load_step = kilowatts
-        self.apply()
+    @property
+    def system(self) -> System:
+        """The model; power-on makes a new one."""
+        return self.units.system
 
     @property
     def governor(self) -> DcDesk:
         """DcDesk, connected to the governor."""
-        return DcDesk(self.system.governor, self.nonvolatile)
+        return DcDesk(self.system.governor, self.units)
 
     @property
     def gateway(self) -> DcDesk:
         """DcDesk, connected to the gateway."""
-        return DcDesk(self.system.gateway, self.nonvolatile)
+        return DcDesk(self.system.gateway, self.units)
 
     @property
     def node_id(self) -> int:
         """Parameter 427 in force, or as the next start finds it."""
-        return self._parameters[OWN_NODE]
-
-    @property
-    def _parameters(self) -> Store:
-        gateway = self.system.gateway
-        return gateway.store.after_reset if gateway.programme is None else gateway.store
+        return self.units.node_id
 
     @property
     def online(self) -> bool:
@@ -130,7 +106,7 @@ class Device(device.Device):
         system = self.system
         shown = self.settings.error_register == "bits"
         register = Object(read=lambda: system.error_register if shown else 0)
-        return {(0x1001, 0): register, **measured(system)}
+        return {(0x1001, 0): register, **objects(system)}
 
     @property
     def emergencies(self) -> Sequence[Emcy]:
@@ -146,7 +122,7 @@ class Device(device.Device):
     @property
     def faults(self) -> Mapping[str, Fault]:
         """Causes in the units, between them and around them."""
-        return faults(self)
+        return faults(self.units)
 
     @property
     def report(self) -> Mapping[str, object]:
@@ -156,18 +132,21 @@ class Device(device.Device):
     @property
     def chart(self) -> Chart:
         """The engine, and what the governor does with it."""
-        return chart(self)
+        return chart(self.units)
 
     def dictionary(self) -> ObjectDictionary:
         """The EDS with what the handshake has created, or will create (A-03)."""
         od = super().dictionary()
         fill(od, self.system.dictionary or self.system.planned)
-        identify(od, self._parameters, self.system.gateway)
+        identify(od, self.units.parameters, self.system.gateway)
         return od
 
     def pdos(self, slave: Slave) -> Iterable[Service]:
         """What is sent and when is the governor's business (4); it comes with all traffic."""
-        yield Traffic(slave, self.system, self._parameters[PARTNER], self.disturbance)
+        partner = self.units.parameters[PARTNER_NODE]
+        traffic = Traffic(slave, self.system, partner, self.units.disturbance)
+        traffic.begin()
+        yield traffic
 
     def power_on(self) -> None:
         """Supply comes to both units; the engine stands (A-54)."""
@@ -192,5 +171,6 @@ class Device(device.Device):
 
     def step(self, dt: float) -> None:
         """Let time pass in both units and in the engine."""
-        self.system.step(dt)
-        self.nonvolatile.keep_news()
+        units = self.units
+        units.system.step(dt)
+        units.keep_news()

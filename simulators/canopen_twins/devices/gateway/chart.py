@@ -1,16 +1,10 @@
 """What the governor's engine shows over time, and what the governor does with it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 from canopen_twins.device.chart import Band, Chart, Curve, Mood
-from canopen_twins.devices.gateway.model.engine_control import Mode
-
-if TYPE_CHECKING:
-    from canopen_twins.devices.gateway import Device
-
+from canopen_twins.devices.gateway.model.engine import Engine, Mode
+from canopen_twins.devices.gateway.units import Units
 
 KILO, PERCENT = 1e3, 100
 
@@ -24,36 +18,32 @@ WITHOUT_GOVERNOR = Band("no governor", Mood.OFF)
 OVERSPEED = Band("overspeed stop", Mood.ERROR)
 
 
-def chart(device: Device) -> Chart:
+def chart(units: Units) -> Chart:
     """What is wanted of the engine, and what it does; power-on makes a new one."""
+
+    def engine() -> Engine:
+        return units.system.governor.engine
+
     curves = (
-        Curve("Speed", "rpm", lambda: device.system.governor.engine.speed, lambda: _speed(device)),
+        Curve("Speed", "rpm", lambda: engine().speed, lambda: _setpoint(units)),
+        Curve("Load", "kW", lambda: engine().power / KILO, lambda: engine().load / KILO),
         Curve(
-            "Load",
-            "kW",
-            lambda: device.system.governor.engine.power / KILO,
-            lambda: device.system.governor.engine.load / KILO,
-        ),
-        Curve(
-            "Actuator",
-            "%",
-            lambda: device.system.governor.engine.position * PERCENT,
-            lambda: device.system.governor.engine.fuel * PERCENT,
+            "Actuator", "%", lambda: engine().position * PERCENT, lambda: engine().fuel * PERCENT
         ),
     )
-    return Chart(curves, lambda: _band(device))
+    return Chart(curves, lambda: _band(units))
 
 
-def _band(device: Device) -> Band:
-    governor = device.system.governor.programme
+def _band(units: Units) -> Band:
+    governor = units.system.governor.programme
     if governor is None:
         return WITHOUT_GOVERNOR
     return OVERSPEED if governor.tripped else BANDS[governor.control.speed.mode]
 
 
-def _speed(device: Device) -> float | None:
+def _setpoint(units: Units) -> float | None:
     """On its ramp; nothing is governed before the engine runs."""
-    governor = device.system.governor.programme
+    governor = units.system.governor.programme
     if governor is None or governor.control.speed.mode is not Mode.RUNNING:
         return None
     return governor.control.speed.setpoint

@@ -7,13 +7,18 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
-from canopen_twins.devices.gateway.model.assignment import Assignment, assignment
 from canopen_twins.devices.gateway.model.canopen_side import FirstTpdo
-from canopen_twins.devices.gateway.model.machines import Tables
-from canopen_twins.devices.gateway.model.options import Options
-from canopen_twins.devices.gateway.model.parameters import Catalogue, Unit, catalogue
-from canopen_twins.devices.gateway.model.scaling import Scaling, scaling
+from canopen_twins.devices.gateway.model.configuration import OWN_NODE
+from canopen_twins.devices.gateway.model.errors import Assignment, assignment
+from canopen_twins.devices.gateway.model.parameters import (
+    Catalogue,
+    Scaling,
+    Unit,
+    catalogue,
+    scaling,
+)
 from canopen_twins.devices.gateway.model.system import System
+from canopen_twins.devices.gateway.model.unit import Options, Tables
 from canopen_twins.devices.gateway.settings import Settings
 from canopen_twins.errors import UserError
 from canopen_twins.files.document import Item, Pair, understand, values
@@ -21,9 +26,12 @@ from canopen_twins.files.shipped import od_file
 
 VERSION = 1
 UNITS = [unit.value for unit in Unit]
+LARGEST_FILE = 1 << 20  # bytes
+
+Content = Mapping[str, Mapping[int, float]]
 
 
-def read_configuration(path: Path, known: Catalogue) -> Mapping[str, Mapping[int, float]]:
+def read_configuration(path: Path, known: Catalogue) -> Content:
     """The values of a file by unit and number.
 
     Raises:
@@ -32,7 +40,7 @@ def read_configuration(path: Path, known: Catalogue) -> Mapping[str, Mapping[int
     keys: dict[str, Callable[[Item], Any]] = {"version": _check_version}
     keys |= {unit.value: partial(_values, unit=unit, known=known) for unit in Unit}
 
-    def content(file: Item) -> Mapping[str, Mapping[int, float]]:
+    def content(file: Item) -> Content:
         taken = values(file, keys, optional=UNITS)
         return {unit: taken[unit] for unit in UNITS if unit in taken}
 
@@ -69,20 +77,19 @@ def _value(pair: Pair, unit: Unit, known: Catalogue) -> tuple[int, float]:
         raise pair.value.wrong(str(refusal)) from refusal
 
 
-LARGEST_FILE = 1 << 20  # bytes
-OWN_NODE = 427
-
-Content = Mapping[str, Mapping[int, float]]
-
-
 def system(settings: Settings) -> System:
     """Both units with their power off and factory parameters.
 
     Raises:
         UserError: a file that cannot be used, or times that do not fit.
     """
-    known = _parameters()
-    tables = Tables(known, _scaling(known, settings.scaling), _assignment(settings.error_bits))
+    tables = Tables(
+        _parameters(),
+        _scaling(settings.scaling) if settings.scaling else _shipped_scaling(),
+        understand(Path(settings.error_bits), _meaning)
+        if settings.error_bits
+        else _shipped_assignment(),
+    )
     options = Options(
         governor_cycle=settings.governor_cycle,
         boot_time=settings.boot_time,
@@ -90,10 +97,8 @@ def system(settings: Settings) -> System:
         first_tpdo=FirstTpdo(settings.first_tpdo),
         always_armed=settings.arm == "operational",
     )
-    try:
+    with refusals("a setting in seconds: "):
         return System(tables, options)
-    except ValueError as refusal:
-        raise UserError(f"a setting in seconds: {refusal}") from refusal
 
 
 def configuration(settings: Settings) -> Content:
@@ -112,6 +117,19 @@ def configuration(settings: Settings) -> Content:
 
 
 @contextmanager
+def refusals(of: str = "") -> Iterator[None]:
+    """What the model refuses is an error of the user.
+
+    Raises:
+        UserError: in place of a ValueError, after the words `of`.
+    """
+    try:
+        yield
+    except ValueError as refusal:
+        raise UserError(f"{of}{refusal}") from refusal
+
+
+@contextmanager
 def _found(name: str) -> Iterator[Path]:
     """A file, or one of od/ by its name."""
     with od_file(name) as shipped:
@@ -124,23 +142,10 @@ def _parameters() -> Catalogue:
         return catalogue(_rows(path))
 
 
-def _scaling(known: Catalogue, file: str) -> Scaling:
-    if not file:
-        return _shipped_scaling()
-    try:
-        return scaling(known, _rows(Path(file)))
-    except (OSError, ValueError) as refusal:
-        raise UserError(f"{file}: {refusal}") from refusal
-
-
 @cache
 def _shipped_scaling() -> Scaling:
     with od_file("gateway_scaling.csv") as path:
         return scaling(_parameters(), _rows(path))
-
-
-def _assignment(file: str) -> Assignment:
-    return understand(Path(file), _meaning) if file else _shipped_assignment()
 
 
 @cache
@@ -149,19 +154,20 @@ def _shipped_assignment() -> Assignment:
         return understand(path, _meaning)
 
 
+def _scaling(file: str) -> Scaling:
+    try:
+        return scaling(_parameters(), _rows(Path(file)))
+    except (OSError, ValueError) as refusal:
+        raise UserError(f"{file}: {refusal}") from refusal
+
+
 def _meaning(table: Item) -> Assignment:
     content = table.content
-    try:
+    with refusals():
         return assignment(content)
-    except ValueError as refusal:
-        raise UserError(str(refusal)) from refusal
 
 
 def _rows(path: Path) -> list[dict[str, str]]:
-    return list(csv.DictReader(_text(path).splitlines()))
-
-
-def _text(path: Path) -> str:
     if path.stat().st_size > LARGEST_FILE:
         raise ValueError(f"larger than {LARGEST_FILE} bytes")
-    return path.read_text("utf-8")
+    return list(csv.DictReader(path.read_text("utf-8").splitlines()))

@@ -1,14 +1,14 @@
-"""The errors of CANopen communication as the master is told of them: Table 2, 9.5."""
+"""What the units tell: 2005h (Table 2, 9.5), emergencies, and a look for a service engineer."""
 
 from collections.abc import Mapping, Sequence
 
 from canopen_twins.device.device import BitMessage
 from canopen_twins.devices.gateway.model import errors
-from canopen_twins.devices.gateway.model.canopen_errors import NUMBERS, CanopenError
+from canopen_twins.devices.gateway.model.errors import CANOPEN_ERRORS, CanopenError
 from canopen_twins.devices.gateway.model.system import System
 from canopen_twins.slave.emcy import FIELD_LENGTH, Emcy
 
-CANOPEN_ERRORS = (0x2005, 0x00)
+WORD = (0x2005, 0x00)
 TEXTS: Mapping[CanopenError, str] = {
     CanopenError.DC_RESET: "the governor was reset, the gateway was not",
     CanopenError.INIT: "the governor could not initialise its gateway",
@@ -23,8 +23,8 @@ TEXTS: Mapping[CanopenError, str] = {
     CanopenError.GW_CAN_COMM_2: "a CANopen buffer has overflowed",
 }
 MESSAGES: Mapping[str, BitMessage] = {
-    str(number): BitMessage(TEXTS[error], CANOPEN_ERRORS, error.bit_length() - 1)
-    for number, error in NUMBERS.items()
+    str(number): BitMessage(TEXTS[error], WORD, error.bit_length() - 1)
+    for number, error in CANOPEN_ERRORS.items()
 }
 
 
@@ -66,3 +66,33 @@ LABELS = {
     VOLTAGE: "supply voltage",
     SOFTWARE: "control unit",
 }
+
+
+def report(system: System) -> Mapping[str, object]:
+    """What is of interest, in engineering units."""
+    engine = system.governor.engine
+    return {
+        "state": system.state.value,
+        "2005h": f"{system.value(0x2005, 0):04X}h",
+        "governor": system.governor.life.value,
+        "gateway": system.gateway.life.value,
+        "errors of the governor": list(errors.numbers(system.governor.memory.present)),
+        "errors of the gateway": list(errors.numbers(system.gateway.memory.present)),
+        "speed [rpm]": round(engine.speed, 1),
+        "actuator [%]": round(100 * engine.position, 1),
+        "load [kW]": round(engine.power / 1e3, 1),
+        "oil pressure [bar]": round(engine.oil_pressure, 2),
+        "charge air [degC]": round(engine.charge_air, 1),
+    }
+
+
+def silence(system: System) -> str:
+    """Why the gateway does not communicate; empty if it does (3, 9.5)."""
+    if system.listening:
+        return ""
+    units, word = (system.governor, system.gateway), system.value(0x2005, 0)
+    found = {number for unit in units for number in errors.numbers(unit.memory.present)}
+    found |= {number for number, error in CANOPEN_ERRORS.items() if word & error}
+    told = f", errors {', '.join(map(str, sorted(found)))}" if found else ", no errors"
+    lives = f"governor {system.governor.life.value}, gateway {system.gateway.life.value}"
+    return f"its CANopen state is {system.state.value}: {lives}{told}"

@@ -8,22 +8,28 @@ from canopen import ObjectDictionary
 from canopen.objectdictionary import ODArray, ODVariable
 from canopen.objectdictionary.datatypes import UNSIGNED16, UNSIGNED32
 
-from canopen_twins.devices.gateway.model.dictionary import DIGITAL, Dictionary, Pdo
-from canopen_twins.devices.gateway.model.machines import Gateway
-from canopen_twins.devices.gateway.model.measurements import measured as displayed
-from canopen_twins.devices.gateway.model.store import Store
+from canopen_twins.devices.gateway.model.configuration import (
+    DIGITAL_OUTPUT,
+    HEARTBEAT_LIMIT,
+    HEARTBEAT_PERIOD,
+    PARTNER_NODE,
+    Dictionary,
+    Pdo,
+)
+from canopen_twins.devices.gateway.model.desk import SERIAL, measured
+from canopen_twins.devices.gateway.model.gateway import Gateway
+from canopen_twins.devices.gateway.model.parameters import Store
 from canopen_twins.devices.gateway.model.system import System
-from canopen_twins.devices.gateway.model.timing import MILLISECOND, MOST_HEARTBEAT_CYCLES, cycles
+from canopen_twins.devices.gateway.model.timing import GATEWAY_CYCLE, heartbeat_cycles
 from canopen_twins.slave.object import Object
 from canopen_twins.slave.profile import Profile
 
 MICROSECOND = 1e-6  # s
-MAIN_CYCLE = 16 * MILLISECOND  # us, of the gateway (7.2.3)
 
 
 def heartbeat_period(milliseconds: int) -> float:
     """Seconds between two heartbeats: whole main cycles (7.2.3)."""
-    return cycles(milliseconds, MAIN_CYCLE, MOST_HEARTBEAT_CYCLES) * MAIN_CYCLE * MICROSECOND
+    return heartbeat_cycles(milliseconds) * GATEWAY_CYCLE * MICROSECOND
 
 
 PROFILE = Profile(
@@ -35,14 +41,12 @@ PROFILE = Profile(
 
 
 MEASURED = {  # 5.1: objects with entries of their own
-    DIGITAL: "Engine State",
+    DIGITAL_OUTPUT: "Engine State",
     0x2001: "Unsigned Analog Output",
     0x2002: "Signed Analog Output",
     0x2003: "Digital Input",
     0x2004: "Analog Input",
 }
-OWN_NODE, PARTNER, PERIOD, LIMIT = range(427, 431)
-SERIAL_DATE, SERIAL_NUMBER = 3844, 3845
 
 
 def fill(od: ObjectDictionary, known: Dictionary) -> None:
@@ -54,7 +58,7 @@ def fill(od: ObjectDictionary, known: Dictionary) -> None:
     for index, name in MEASURED.items():
         record, subs = _record(od, index), known.subs(index)
         for sub in (sub for sub in subs if sub not in record.subindices):
-            title = name if index == DIGITAL else f"{name} {sub}"
+            title = name if index == DIGITAL_OUTPUT else f"{name} {sub}"
             record.add_member(_variable(title, index, sub, UNSIGNED16))
         _set(od, index, 0, max(subs, default=0))
 
@@ -70,15 +74,15 @@ def _activate(od: ObjectDictionary, record: int, mapping: int, pdo: Pdo) -> None
 
 def identify(od: ObjectDictionary, settings: Store, unit: Gateway) -> None:
     """Show the parameters that objects of the communication area stand for (A-06)."""
-    partner, limit = settings[PARTNER], settings[LIMIT]
+    partner, limit = settings[PARTNER_NODE], settings[HEARTBEAT_LIMIT]
     _set(od, 0x1016, 1, partner << 16 | limit if partner and limit else 0)
-    _set(od, 0x1017, 0, settings[PERIOD])
+    _set(od, 0x1017, 0, settings[HEARTBEAT_PERIOD])
     _set(od, 0x1018, 3, 0)
-    date, number = (int(displayed(unit, part)) for part in (SERIAL_DATE, SERIAL_NUMBER))
+    date, number = (int(measured(unit, part)) for part in SERIAL)
     _set(od, 0x1018, 4, date << 16 | number)
 
 
-def measured(system: System) -> Mapping[tuple[int, int], Object]:
+def objects(system: System) -> Mapping[tuple[int, int], Object]:
     """The entries that live in the model: 2000h to 2005h."""
     known = system.dictionary or system.planned
     entries = [(0x2005, 0), *((index, sub) for index in MEASURED for sub in known.subs(index))]

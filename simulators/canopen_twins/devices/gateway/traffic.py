@@ -5,12 +5,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
 
+from canopen_twins.bus import identifiers
 from canopen_twins.bus.frame import Frame
-from canopen_twins.devices.gateway.model.canopen_side import BootUp, Heartbeat, Message, TpdoFrame
-from canopen_twins.devices.gateway.model.state import State as GatewayState
+from canopen_twins.devices.gateway.model.canopen_side import BootUp, Heartbeat, Sent, TpdoFrame
+from canopen_twins.devices.gateway.model.state import GatewayState
 from canopen_twins.devices.gateway.model.system import System
-from canopen_twins.slave.heartbeat import STATE_BYTE
-from canopen_twins.slave.service import NODE_IDS, Listening, Service, State
+from canopen_twins.slave.nmt import STATE_BYTE
+from canopen_twins.slave.service import Listening, Service, State
 from canopen_twins.slave.slave import Slave
 
 STATES: Mapping[GatewayState, State] = {
@@ -27,8 +28,8 @@ class Disturbance:
 
     lost: set[int] = field(default_factory=set)
     """RPDOs that do not arrive."""
-    flags: int = 0
-    """Bits set in word 3 of RPDO1, whatever the master sends there."""
+    flagged: set[int] = field(default_factory=set)
+    """Channels whose bits are set in word 3 of RPDO1, whatever the master sends there."""
     partner: bool = False
     """Whether heartbeats of the partner do not arrive."""
 
@@ -44,8 +45,11 @@ class Traffic(Service):
         known = system.dictionary
         self._rpdos = {n: pdo.identifier for n, pdo in known.rpdos.items()} if known else {}
         self._tpdos = {n: pdo.identifier for n, pdo in known.tpdos.items()} if known else {}
-        system.outbox.clear()  # the boot-up message is that of the NMT slave
-        slave.wire.shut = not system.listening
+
+    def begin(self) -> None:
+        """The slave boots: what the model has sent so far, its own boot-up message has told."""
+        self._system.outbox.clear()
+        self.publish()
 
     @property
     def eventful(self) -> bool:
@@ -56,20 +60,20 @@ class Traffic(Service):
         """RPDOs that are active, and the watched partner."""
         for number, identifier in self._rpdos.items():
             yield (identifier, False), partial(self._on_rpdo, number)
-        if self._partner in NODE_IDS:
-            yield (0x700 + self._partner, False), self._on_partner
+        if self._partner in identifiers.NODE_IDS:
+            yield (identifiers.heartbeat(self._partner), False), self._on_partner
 
     def publish(self) -> None:
         """Send what the model has sent, if it gets out."""
-        system, outbox = self._system, self._system.outbox
-        self.slave.wire.shut = not system.listening
+        outbox = self._system.outbox
+        self.slave.shut = not self._system.listening
         if outbox:
             for message in outbox:
-                self.slave.wire.put(self._frame(message))
+                self.slave.send(self._frame(message))
             outbox.clear()
 
-    def _frame(self, message: Message) -> Frame:
-        heartbeats = 0x700 + self.slave.node_id
+    def _frame(self, message: Sent) -> Frame:
+        heartbeats = identifiers.heartbeat(self.slave.node_id)
         match message:
             case TpdoFrame(number, words):
                 return Frame(self._tpdos[number], struct.pack(f"<{len(words)}H", *words))
@@ -83,7 +87,7 @@ class Traffic(Service):
             return
         words = list(struct.unpack_from(f"<{len(frame.data) // 2}H", frame.data))
         if number == 1 and len(words) > FLAG_WORD:
-            words[FLAG_WORD] |= self._disturbance.flags
+            words[FLAG_WORD] |= sum(1 << (channel - 1) for channel in self._disturbance.flagged)
         self._system.receive_rpdo(number, tuple(words))
 
     def _on_partner(self, frame: Frame) -> None:

@@ -6,22 +6,27 @@ from typing import cast
 from canopen import ObjectDictionary
 from canopen.objectdictionary import ODVariable
 
-from canopen_twins.device import device
-from canopen_twins.device.chart import Chart
-from canopen_twins.device.device import Message
-from canopen_twins.device.faults import Fault
-from canopen_twins.devices.topcon import card
-from canopen_twins.devices.topcon import units as unit_types
+from canopen_twins.device import (
+    Abort,
+    Address,
+    Chart,
+    Emcy,
+    Fault,
+    Message,
+    Object,
+    Rejected,
+    State,
+    device,
+)
+from canopen_twins.devices.topcon import card, messages, units
+from canopen_twins.devices.topcon.card import CardErrors, Registers
 from canopen_twins.devices.topcon.chart import chart
-from canopen_twins.devices.topcon.control import Control, Registers, Scale
+from canopen_twins.devices.topcon.control import Control, Scale
 from canopen_twins.devices.topcon.faults import faults
-from canopen_twins.devices.topcon.messages import KINDS, PROTOCOL_ERROR, UNIT, CardErrors
-from canopen_twins.devices.topcon.model import Mode, OutputStage
+from canopen_twins.devices.topcon.model.stage import OutputStage
+from canopen_twins.devices.topcon.model.states import Mode
 from canopen_twins.devices.topcon.panel import Panel
 from canopen_twins.devices.topcon.settings import Settings
-from canopen_twins.slave.emcy import Emcy
-from canopen_twins.slave.object import Abort, Address, Object, Rejected
-from canopen_twins.slave.service import State
 
 MODE_BIT = {Mode.OFF: 0, Mode.VOLTAGE: 1 << 1, Mode.CURRENT: 1 << 2, Mode.POWER: 1 << 3}  # Tab. 60
 SET_VALUES = range(0x2010, 0x2014)
@@ -41,14 +46,17 @@ class Device(device.Device):
     def configure(self, **given: object) -> None:
         """Change settings while the unit is off; its switches are read at power-on (4.2, 4.3)."""
         self._module_id: int | None = None
+        self._new = False
         super().configure(**given)
+        self._new = True
         self.profile = card.profile(self.settings)
 
     def check(self) -> None:
         """What the settings are together, the unit type and the load among them."""
         card.check(self.settings)
         super().check()
-        unit_types.output_stage(self.settings)
+        units.unit_type(self.settings)
+        units.load(self.settings)
 
     @property
     def node_id(self) -> int:
@@ -82,12 +90,13 @@ class Device(device.Device):
     def emergencies(self) -> Sequence[Emcy]:
         """Errors of the unit and of the card, latched until command 2."""
         errors, card_errors = self.stage.errors, self.card_errors.active
-        return (*(UNIT[error] for error in errors), *card_errors) if errors else card_errors
+        told = messages.unit_errors()
+        return (*(told[error] for error in errors), *card_errors) if errors else card_errors
 
     @property
     def messages(self) -> Mapping[str, Message]:
         """The codes of chapter 8."""
-        return KINDS
+        return messages.messages()
 
     @property
     def faults(self) -> Mapping[str, Fault]:
@@ -118,7 +127,7 @@ class Device(device.Device):
     @property
     def chart(self) -> Chart:
         """Voltage, current and power, and the state of the output stage."""
-        return chart(self)
+        return chart(self.stage)
 
     def dictionary(self) -> ObjectDictionary:
         """The EDS, with the range of set values the settings say."""
@@ -128,11 +137,17 @@ class Device(device.Device):
         return od
 
     def make_model(self) -> None:
-        """The unit and its card start; switches are read now and not again."""
+        """The unit and its card; what the settings have just made serves the next power-on as well.
+
+        Switches are read now and not again.
+        """
+        if self._new:
+            self._new = False
+            return
         settings = self.settings
         self._module_id = card.module_id(settings)
         self._bit_rate = card.bit_rate(settings.br)
-        self.stage = unit_types.output_stage(settings)
+        self.stage = units.output_stage(settings)
         self.scale = Scale(self.stage.unit)
         self._register_values: dict[int, int] = {}
         self._start_card()
@@ -165,17 +180,19 @@ class Device(device.Device):
     def on_rpdo_refused(self, number: int, refusal: Rejected) -> None:
         """A parameter that exceeds its limit is told by EMCY (Tab. 82, A-37, A-41)."""
         if refusal.code in PARAMETER_REFUSALS:
-            self.card_errors.add(PROTOCOL_ERROR.code)
+            self.card_errors.add(messages.PROTOCOL_ERROR)
 
     def set(self, **given: object) -> None:
         """Change what may change while the unit runs; the panel turns when it is named here."""
+        self._new = False
         super().set(**given)
         if "panel" in given:
             self.panel.want(self.settings.panel == "local")
 
     def apply(self) -> None:
         """Load and ambient temperature follow at once, switches at power-on."""
-        unit_types.surround(self.stage, self.settings)
+        self.stage.load = units.load(self.settings)
+        self.stage.ambient = self.settings.ambient
 
     def step(self, dt: float) -> None:
         """Let time pass in the unit."""

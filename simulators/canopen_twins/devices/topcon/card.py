@@ -1,12 +1,14 @@
-"""The TC.CANOPEN card: its switches (chapter 4) and what its communication leaves of CiA 301."""
+"""The TC.CANOPEN card: switches (chapter 4), what it leaves of CiA 301, registers, own errors."""
 
+import re
 from collections.abc import Mapping
 
+from canopen_twins.bus.identifiers import NO_RTR
+from canopen_twins.device import Abort, Address, Emcy, Object, Profile, Rejected
+from canopen_twins.devices.topcon.messages import card_errors
+from canopen_twins.devices.topcon.panel import Panel
 from canopen_twins.devices.topcon.settings import Settings
 from canopen_twins.errors import UserError
-from canopen_twins.slave.cob_id import NO_RTR
-from canopen_twins.slave.object import Abort, Rejected
-from canopen_twins.slave.profile import Profile
 
 HIGHEST_ID = 127
 BIT_RATES: Mapping[int, int] = {
@@ -20,6 +22,7 @@ BIT_RATES: Mapping[int, int] = {
 }
 """Tab. 8, in bit/s."""
 OTHER_BIT_RATE = 250_000
+WIDE_FROM = [4, 20]  # firmware from which register addresses have 24 bits
 SET_VALUES = ("power_on_voltage", "power_on_current", "power_on_power", "power_on_resistance")
 
 
@@ -74,3 +77,49 @@ def profile(settings: Settings) -> Profile:
         no_history_code=Abort.NO_DATA if settings.empty_1003 == "abort" else None,
         strict_cob_id=settings.strict_cobid,
     )
+
+
+class Registers:
+    """The card's window on a sparse store of 16-bit registers; unwritten ones read 0 (A-56)."""
+
+    def __init__(self, firmware: str, values: dict[int, int], panel: Panel) -> None:
+        version = [int(number) for number in re.findall(r"\d+", firmware)]
+        self.address_bits = 24 if version >= WIDE_FROM else 16
+        self.address = 0
+        self._values = values
+        self._panel = panel
+
+    @property
+    def objects(self) -> Mapping[Address, Object]:
+        """Address and value."""
+        return {
+            (0x2100, 1): Object(read=lambda: self.address, write=self._select),
+            (0x2100, 2): Object(read=lambda: self._values.get(self.address, 0), write=self._write),
+        }
+
+    def _select(self, address: int) -> None:
+        if address >> self.address_bits:
+            reason = f"this firmware has addresses of {self.address_bits} bits"
+            raise Rejected(reason, Abort.TOO_HIGH)
+        self.address = address
+
+    def _write(self, value: int) -> None:
+        if self._panel.yields(f"register {self.address:#x}"):
+            self._values[self.address] = value
+
+
+class CardErrors:
+    """Errors of the card: told and kept until the reset, the unit goes on (A-63)."""
+
+    def __init__(self) -> None:
+        self.active: tuple[Emcy, ...] = ()
+
+    def add(self, code: int) -> None:
+        """Raise one; without effect while it is active."""
+        error = card_errors()[code]
+        if error not in self.active:
+            self.active = (*self.active, error)
+
+    def reset(self) -> None:
+        """Command 2 of 0x2014."""
+        self.active = ()

@@ -1,17 +1,18 @@
-"""Parts of 4000 on the wire, engineering units in the model (7.3.5-7.3.15)."""
+"""What the master sets and commands (7.3.5-7.3.15): parts of 4000 here, units in the model."""
 
-import re
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
-from canopen_twins.devices.topcon.model import OutputStage, UnitType
+from canopen_twins.device import Abort, Address, Object, Rejected, State
+from canopen_twins.devices.topcon.model.stage import OutputStage
+from canopen_twins.devices.topcon.model.unit import UnitType
 from canopen_twins.devices.topcon.panel import Panel
 from canopen_twins.devices.topcon.settings import Settings
-from canopen_twins.slave.object import Abort, Address, Object, Rejected
-from canopen_twins.slave.service import State
 
 FULL_SCALE = 4000  # parts that make up a nominal value
 LOWEST, HIGHEST = -0x8000, 0x7FFF  # of signed 16 bit
+STOP, RUN, RESET = range(3)  # Tab. 55
+MANUAL_START_IN_ERROR = 0x7A  # Tab. 74
 
 
 class Quantity(NamedTuple):
@@ -23,9 +24,7 @@ class Quantity(NamedTuple):
         """As it goes over the wire: rounded half away from zero, clipped to signed 16 bit."""
         parts = FULL_SCALE * value / self.nominal
         rounded = int(parts + 0.5) if parts >= 0 else -int(0.5 - parts)
-        if LOWEST <= rounded <= HIGHEST:
-            return rounded
-        return HIGHEST if rounded > 0 else LOWEST
+        return max(LOWEST, min(HIGHEST, rounded))
 
     def value(self, parts: int) -> float:
         """As the model has it."""
@@ -53,51 +52,6 @@ class Scale:
         }
 
 
-WIDE_FROM = [4, 20]  # firmware from which addresses have 24 bits
-
-
-class Registers:
-    """The card's window on a sparse store of 16-bit registers; unwritten ones read 0 (A-56)."""
-
-    def __init__(self, firmware: str, values: dict[int, int], panel: Panel) -> None:
-        version = [int(number) for number in re.findall(r"\d+", firmware)]
-        self.address_bits = 24 if version >= WIDE_FROM else 16
-        self.address = 0
-        self._values = values
-        self._panel = panel
-
-    @property
-    def objects(self) -> Mapping[Address, Object]:
-        """Address and value."""
-        return {
-            (0x2100, 1): Object(read=lambda: self.address, write=self._select),
-            (0x2100, 2): Object(read=lambda: self._values.get(self.address, 0), write=self._write),
-        }
-
-    def _select(self, address: int) -> None:
-        if address >> self.address_bits:
-            reason = f"this firmware has addresses of {self.address_bits} bits"
-            raise Rejected(reason, Abort.TOO_HIGH)
-        self.address = address
-
-    def _write(self, value: int) -> None:
-        if self._panel.yields(f"register {self.address:#x}"):
-            self._values[self.address] = value
-
-
-STOP, RUN, RESET = range(3)  # Tab. 55
-MANUAL_START_IN_ERROR = 0x7A  # Tab. 74
-
-
-class SetValue(NamedTuple):
-    """A value of the stage that the master sets in parts."""
-
-    name: str
-    """The attribute of the output stage."""
-    quantity: Quantity
-    power_on: int
-
-
 class Control:
     """The bus in control of the output stage, unless the panel is."""
 
@@ -111,34 +65,28 @@ class Control:
     ) -> None:
         self.last_command = STOP  # 7.2.8: not stored, power-on is always STOP
         self._stage = stage
+        self._scale = scale
         self._panel = panel
         self._settings = settings
         self._reset_card = reset_card
         self._commands = {STOP: stage.stop, RUN: self._run, RESET: self._reset}
         self._state = State.INITIALISING
-        self._set_values: Mapping[int, SetValue] = {
-            0x2010: SetValue("voltage_reference", scale.voltage, settings.power_on_voltage),
-            0x2011: SetValue("current_reference", scale.current, settings.power_on_current),
-            0x2012: SetValue("power_reference", scale.power, settings.power_on_power),
-            0x2013: SetValue(
-                "resistance_reference", scale.resistance, settings.power_on_resistance
-            ),
-            0x2030: SetValue("overvoltage_level", scale.voltage, settings.power_on_overvoltage),
-            0x2031: SetValue("overcurrent_level", scale.current, settings.power_on_overcurrent),
-        }
 
     @property
     def objects(self) -> Mapping[Address, Object]:
         """Set values read back what is in force; the command reads back what was accepted last."""
-        return {
-            **{(index, 0): self._object(value) for index, value in self._set_values.items()},
-            (0x2014, 0): Object(lambda: self.last_command, self._command, obstacle=self._obstacle),
-        }
+        command = Object(lambda: self.last_command, self._command, obstacle=self._obstacle)
+        return {**self._set_values, (0x2014, 0): command}
 
     def power_on_values(self) -> None:
         """What is set before anybody sets it (A-42)."""
-        for value in self._set_values.values():
-            setattr(self._stage, value.name, value.quantity.value(value.power_on))
+        stage, scale, settings = self._stage, self._scale, self._settings
+        stage.voltage_reference = scale.voltage.value(settings.power_on_voltage)
+        stage.current_reference = scale.current.value(settings.power_on_current)
+        stage.power_reference = scale.power.value(settings.power_on_power)
+        stage.resistance_reference = scale.resistance.value(settings.power_on_resistance)
+        stage.overvoltage_level = scale.voltage.value(settings.power_on_overvoltage)
+        stage.overcurrent_level = scale.current.value(settings.power_on_overcurrent)
 
     def on_state(self, state: State) -> None:
         """Operational takes over from the panel (6); leaving it may stop the output (A-58)."""
@@ -151,17 +99,52 @@ class Control:
         self._state = state
         self._panel.on_state(state)
 
-    def _object(self, value: SetValue) -> Object:
-        stage, name, quantity = self._stage, value.name, value.quantity
+    @property
+    def _set_values(self) -> Mapping[Address, Object]:
+        stage, scale, of = self._stage, self._scale, self._set_value
 
-        def write(parts: int) -> None:
-            if self._panel.yields(name.replace("_", " ")):
-                setattr(stage, name, quantity.value(parts))
+        def voltage_reference(value: float) -> None:
+            stage.voltage_reference = value
 
-        def read() -> int:
-            return quantity.parts(getattr(stage, name))
+        def current_reference(value: float) -> None:
+            stage.current_reference = value
 
-        return Object(read, write, obstacle=lambda _: self._panel.obstacle)
+        def power_reference(value: float) -> None:
+            stage.power_reference = value
+
+        def resistance_reference(value: float) -> None:
+            stage.resistance_reference = value
+
+        def overvoltage_level(value: float) -> None:
+            stage.overvoltage_level = value
+
+        def overcurrent_level(value: float) -> None:
+            stage.overcurrent_level = value
+
+        return {
+            (0x2010, 0): of(scale.voltage, lambda: stage.voltage_reference, voltage_reference),
+            (0x2011, 0): of(scale.current, lambda: stage.current_reference, current_reference),
+            (0x2012, 0): of(scale.power, lambda: stage.power_reference, power_reference),
+            (0x2013, 0): of(
+                scale.resistance, lambda: stage.resistance_reference, resistance_reference
+            ),
+            (0x2030, 0): of(scale.voltage, lambda: stage.overvoltage_level, overvoltage_level),
+            (0x2031, 0): of(scale.current, lambda: stage.overcurrent_level, overcurrent_level),
+        }
+
+    def _set_value(
+        self, quantity: Quantity, read: Callable[[], float], write: Callable[[float], None]
+    ) -> Object:
+        """A value of the stage that the master sets in parts."""
+        name = write.__name__.replace("_", " ")
+
+        def write_parts(parts: int) -> None:
+            if self._panel.yields(name):
+                write(quantity.value(parts))
+
+        return Object(
+            lambda: quantity.parts(read()), write_parts, obstacle=lambda _: self._panel.obstacle
+        )
 
     def _command(self, command: int) -> None:
         if command not in self._commands:

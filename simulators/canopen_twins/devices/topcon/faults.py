@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, TypeVar
+from collections.abc import Collection, Mapping
+from typing import TYPE_CHECKING
 
-from canopen_twins.device.faults import Fault, Parameter
+from canopen_twins.device import Fault, Parameter
 from canopen_twins.devices.topcon.messages import card_error, unit_error
-from canopen_twins.devices.topcon.model import OutputStage
+from canopen_twins.devices.topcon.model.protections import RAILS
+from canopen_twins.devices.topcon.model.stage import OutputStage
 from canopen_twins.errors import UserError, unknown
 
 if TYPE_CHECKING:
     from canopen_twins.devices.topcon import Device
 
 
-Meaning = TypeVar("Meaning")
-
-RAILS: Mapping[str, str] = {
-    "24V": "supply_24v",
-    "15V": "supply_15v",
-    "-15V": "supply_minus_15v",
-    "5V": "supply_5v",
-}
 SENSORS: Mapping[str, int] = {"rectifier": 0x50, "igbt": 0x51, "inside": 0x55}  # Tab. 71
 MAINS = range(100, 601)
 NUMBER = {"number": Parameter("error number of chapter 8, 0x00..0x1ff", kind=int)}
@@ -38,25 +31,25 @@ def faults(device: Device) -> Mapping[str, Fault]:
 def _connections(device: Device) -> dict[str, Fault]:
     """What is wrong with the cables of the unit."""
     return {
-        "interlock_open": _condition(
-            device,
+        "interlock_open": Fault(
             "The interlock opens: off at once, no RUN, no reset until it closes (EMCY 9000, F2).",
-            "interlock_closed",
-            False,
+            lambda: _interlock(device, closed=False),
+            lambda: _interlock(device, closed=True),
         ),
-        "slave_silent": _condition(
-            device,
+        "slave_silent": Fault(
             "A slave of the multi-unit system does not answer (EMCY 8100, 67).",
-            "slave_silent",
-            True,
+            lambda: _slave(device, silent=True),
+            lambda: _slave(device, silent=False),
         ),
-        "sense_reversed": _condition(
-            device, "The sense lines are swapped (EMCY 3300, 33).", "sense_reversed", True
+        "sense_reversed": Fault(
+            "The sense lines are swapped (EMCY 3300, 33).",
+            lambda: _sense_lines(device, swapped=True),
+            lambda: _sense_lines(device, swapped=False),
         ),
         "sense_offset": Fault(
             "The voltage at the sense lines differs from that at the terminals (EMCY 3300, 31).",
-            lambda volts: setattr(device.stage, "sense_offset", volts),
-            lambda volts: _restore(device, "sense_offset"),
+            lambda volts: _sense(device, volts),
+            lambda volts: _sense(device, OutputStage.sense_offset),
             {"volts": Parameter("difference in V; 5 % of the nominal voltage are tolerated")},
         ),
     }
@@ -77,13 +70,15 @@ def _supplies(device: Device) -> dict[str, Fault]:
         ),
         "supply": Fault(
             "A supply inside the unit leaves its range of 10 % (EMCY 3200, 43..48, 4B, 4C).",
-            lambda rail, volts: setattr(device.stage, _one_of(RAILS, "rail", rail), volts),
-            lambda rail, volts: _restore(device, RAILS[rail]),
+            lambda rail, volts: _supply(device, {_one_of(RAILS, "rail", rail): volts}),
+            lambda rail, volts: _supply(device, {}),
             {"rail": Parameter(", ".join(RAILS), kind=str), "volts": Parameter("its voltage in V")},
         ),
         "overtemperature": Fault(
             "A temperature sensor is above its limit (EMCY 4200).",
-            lambda sensor: device.stage.trip(_one_of(SENSORS, "sensor", sensor), held=True),
+            lambda sensor: device.stage.trip(
+                SENSORS[_one_of(SENSORS, "sensor", sensor)], held=True
+            ),
             lambda sensor: device.stage.release(SENSORS[sensor]),
             {"sensor": Parameter(", ".join(SENSORS), "igbt", str)},
         ),
@@ -116,23 +111,30 @@ def _errors(device: Device) -> dict[str, Fault]:
     }
 
 
-def _condition(device: Device, text: str, name: str, wrong: bool) -> Fault:
-    return Fault(
-        text,
-        lambda: setattr(device.stage, name, wrong),
-        lambda: _restore(device, name),
-    )
-
-
-def _restore(device: Device, name: str) -> None:
-    """Back to what it is when all is well: the default of the output stage."""
-    setattr(device.stage, name, getattr(OutputStage, name))
-
-
-def _one_of(known: Mapping[str, Meaning], what: str, word: str) -> Meaning:
+def _one_of(known: Collection[str], what: str, word: str) -> str:
     if word not in known:
         raise unknown(what, word, known)
-    return known[word]
+    return word
+
+
+def _interlock(device: Device, closed: bool) -> None:
+    device.stage.interlock_closed = closed
+
+
+def _slave(device: Device, silent: bool) -> None:
+    device.stage.slave_silent = silent
+
+
+def _sense_lines(device: Device, swapped: bool) -> None:
+    device.stage.sense_reversed = swapped
+
+
+def _sense(device: Device, volts: float) -> None:
+    device.stage.sense_offset = volts
+
+
+def _supply(device: Device, supplies: Mapping[str, float]) -> None:
+    device.stage.supplies = supplies
 
 
 def _feed(device: Device, volts: float, hertz: float) -> None:

@@ -1,35 +1,55 @@
 """Emergency messages of chapter 8: the errors of the unit by number, those of the card by code."""
 
 from collections.abc import Mapping, Sequence
+from functools import cache
 from itertools import groupby
 
-from canopen_twins.device.device import EmcyMessage
+from canopen_twins.device import Emcy, EmcyMessage
 from canopen_twins.errors import UserError
-from canopen_twins.slave.emcy import Emcy, read_emcy_table
+from canopen_twins.slave.emcy import read_emcy_table
 
-TABLE = read_emcy_table("topcon_emcy.csv")
+UNIT_ERROR_00 = 0x6100  # with field 0 it is error number 00 of the unit (A-13)
+PROTOCOL_ERROR = 0x8200  # Tab. 82: a parameter exceeds its limit
+
+
+@cache
+def table() -> Mapping[tuple[int, int], Emcy]:
+    """Every message by code and error field."""
+    return read_emcy_table("topcon_emcy.csv")
+
+
+@cache
+def unit_errors() -> Mapping[int, Emcy]:
+    """Those of the unit, by error number."""
+    return {
+        int.from_bytes(emcy.field, "little"): emcy
+        for (code, detail), emcy in table().items()
+        if detail or code == UNIT_ERROR_00
+    }
+
+
+@cache
+def card_errors() -> Mapping[int, Emcy]:
+    """Those of the card, by code: they have no error number (A-63)."""
+    return {
+        code: emcy
+        for (code, detail), emcy in table().items()
+        if code and not detail and code != UNIT_ERROR_00
+    }
+
+
+@cache
+def messages() -> Mapping[str, EmcyMessage]:
+    """Chapter 8 has a table for each code."""
+    return {
+        f"{code:#06x}": EmcyMessage(_told([emcy.label for emcy in emcies]), code)
+        for code, emcies in groupby(table().values(), lambda emcy: emcy.code)
+    }
 
 
 def _told(labels: Sequence[str]) -> str:
     others = len(labels) - 1
     return labels[0] if not others else f"{labels[0]}, and {others} more"
-
-
-UNIT: Mapping[int, Emcy] = {
-    int.from_bytes(emcy.field, "little"): emcy
-    for (code, detail), emcy in TABLE.items()
-    if detail or code == 0x6100  # 6100h with field 0 is error number 00 of the unit (A-13)
-}
-CARD: Mapping[int, Emcy] = {
-    code: emcy
-    for (code, detail), emcy in TABLE.items()
-    if code and not detail and code != 0x6100  # A-63: they have no error number
-}
-KINDS: Mapping[str, EmcyMessage] = {  # chapter 8: a table for each code
-    f"{code:#06x}": EmcyMessage(_told([emcy.label for emcy in emcies]), code)
-    for code, emcies in groupby(TABLE.values(), lambda emcy: emcy.code)
-}
-PROTOCOL_ERROR = CARD[0x8200]  # Tab. 82: a parameter exceeds its limit
 
 
 def unit_error(number: int) -> int:
@@ -38,7 +58,7 @@ def unit_error(number: int) -> int:
     Raises:
         UserError: chapter 8 has none of this number.
     """
-    if number not in UNIT:
+    if number not in unit_errors():
         raise UserError(f"no unit error {number:#x}: chapter 8 has 0x00..0x1ff without 0x14d")
     return number
 
@@ -49,22 +69,6 @@ def card_error(code: int) -> int:
     Raises:
         UserError: the card has none of this code.
     """
-    if code not in CARD:
-        raise UserError(f"no card error {code:#x}: there is {', '.join(map(hex, CARD))}")
+    if code not in card_errors():
+        raise UserError(f"no card error {code:#x}: there is {', '.join(map(hex, card_errors()))}")
     return code
-
-
-class CardErrors:
-    """Errors of the card: told and kept until the reset, the unit goes on (A-63)."""
-
-    def __init__(self) -> None:
-        self.active: tuple[Emcy, ...] = ()
-
-    def add(self, code: int) -> None:
-        """Raise one; without effect while it is active."""
-        if CARD[code] not in self.active:
-            self.active = (*self.active, CARD[code])
-
-    def reset(self) -> None:
-        """Command 2 of 0x2014."""
-        self.active = ()

@@ -2,8 +2,7 @@
 
 import logging
 
-from canopen_twins.slave.object import Abort, Rejected
-from canopen_twins.slave.service import State
+from canopen_twins.device import Abort, Rejected, State
 
 log = logging.getLogger(__name__)
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from canopen_twins.device.settings import NodeSettings, setting
+from canopen_twins.device import NodeSettings, setting
 
 SIGNED16 = 0x7FFF
 

@@ -1,4 +1,4 @@
-"""Unit types as a file lists them, such as od/topcon_units.yaml."""
+"""Unit types as a file lists them, such as od/topcon_units.yaml, and the stage of one of them."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, fields
@@ -6,20 +6,21 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
-from canopen_twins.devices.topcon.model import OutputStage, UnitType, parse_load
+from canopen_twins.devices.topcon.model.loads import Load, parse_load
+from canopen_twins.devices.topcon.model.stage import OutputStage
+from canopen_twins.devices.topcon.model.unit import UnitType
 from canopen_twins.devices.topcon.settings import Settings
 from canopen_twins.errors import UserError, unknown
-from canopen_twins.files.document import Item, understand, values
+from canopen_twins.files.document import Item, Scalar, understand, values
 from canopen_twins.files.shipped import od_file
-from canopen_twins.files.yaml_nodes import Scalar
 
 VERSION = 1
-KINDS: Mapping[Any, Callable[[Item], Scalar]] = {
+READERS: Mapping[Any, Callable[[Item], Scalar]] = {
     str: lambda item: item.text,
     float: lambda item: item.number,
     bool: lambda item: item.truth,
 }
-FIGURES = {field.name: KINDS[field.type] for field in fields(UnitType)}
+FIGURES = {field.name: READERS[field.type] for field in fields(UnitType)}
 OPTIONAL = [field.name for field in fields(UnitType) if field.default is not MISSING]
 
 
@@ -61,43 +62,6 @@ def _unit_type(figures: Mapping[str, Any]) -> UnitType:
         raise UserError(str(refusal)) from refusal
 
 
-def output_stage(settings: Settings) -> OutputStage:
-    """An output stage with its power just switched on.
-
-    Raises:
-        UserError: no such unit type or load, or figures that do not fit together.
-    """
-    unit = find(settings.unit, settings.unit_file)
-    try:
-        stage = OutputStage(
-            unit,
-            units=settings.units,
-            connection=settings.connection,
-            boot_time=settings.boot_time,
-            ambient=settings.ambient,
-            overvoltage_when_off=settings.ovp_when_off,
-            noise=settings.noise,
-            seed=settings.seed,
-        )
-    except ValueError as refusal:
-        raise UserError(str(refusal)) from refusal
-    surround(stage, settings)
-    return stage
-
-
-def surround(stage: OutputStage, settings: Settings) -> None:
-    """Connect what is around the unit.
-
-    Raises:
-        UserError: no such load.
-    """
-    try:
-        stage.load = parse_load(settings.load)
-    except ValueError as refusal:
-        raise UserError(f"setting 'load': {refusal}") from refusal
-    stage.ambient = settings.ambient
-
-
 def find(name: str, extra: str = "") -> UnitType:
     """The unit type of a name; a file of the user's comes before ours.
 
@@ -114,3 +78,44 @@ def find(name: str, extra: str = "") -> UnitType:
 def _shipped() -> Mapping[str, UnitType]:
     with od_file("topcon_units.yaml") as path:
         return read_unit_types(path)
+
+
+def unit_type(settings: Settings) -> UnitType:
+    """One unit of the system that the settings want.
+
+    Raises:
+        UserError: there is none of its name, or the figures of the system do not fit its objects.
+    """
+    unit = find(settings.unit, settings.unit_file)
+    try:
+        unit.system(settings.units, settings.connection)
+    except ValueError as refusal:
+        raise UserError(str(refusal)) from refusal
+    return unit
+
+
+def load(settings: Settings) -> Load:
+    """What is connected to the output.
+
+    Raises:
+        UserError: no such load.
+    """
+    try:
+        return parse_load(settings.load)
+    except ValueError as refusal:
+        raise UserError(f"setting 'load': {refusal}") from refusal
+
+
+def output_stage(settings: Settings) -> OutputStage:
+    """An output stage with its power just switched on; raises as `unit_type` and `load` do."""
+    return OutputStage(
+        unit_type(settings),
+        load=load(settings),
+        ambient=settings.ambient,
+        units=settings.units,
+        connection=settings.connection,
+        boot_time=settings.boot_time,
+        overvoltage_when_off=settings.ovp_when_off,
+        noise=settings.noise,
+        seed=settings.seed,
+    )

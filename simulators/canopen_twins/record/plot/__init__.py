@@ -10,10 +10,9 @@ from pathlib import Path
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
-from canopen_twins.record.plot.observer import Observer
 from canopen_twins.record.plot.page import page
 from canopen_twins.record.plot.run import Run
-from canopen_twins.scenario.player import Player
+from canopen_twins.scenario import Player
 
 __all__ = ["Plot"]
 
@@ -32,11 +31,11 @@ class Plot:
             raise UserError(f"{path}: there is no directory {path.parent}")
         self._path = path
         self._draw = _drawing()
-        self._observers: list[Observer] = []
+        self._runs: list[Run] = []
 
     def begin(self, segment: Segment[Node], player: Player | None) -> None:
-        """Look at the nodes of a segment from now on; an observer of `play` and of `again`."""
-        self._observers.append(Observer(segment, player))
+        """Look at the nodes of a segment from now on; an observer of `play` and of `reproduce`."""
+        self._runs.append(Run(segment, player))
 
     def save(self) -> None:
         """Write the file.
@@ -44,17 +43,15 @@ class Plot:
         Raises:
             UserError: it cannot be written.
         """
+        (run,) = self._runs
+        if self._suffix == ".html":
+            content = page(run, self._draw(run, "svg").decode()).encode()
+        else:
+            content = self._draw(run, self._suffix[1:])
         try:
-            self._path.write_bytes(self._content())
+            self._path.write_bytes(content)
         except OSError as failure:
             raise UserError(f"{self._path} cannot be written: {failure.strerror}") from failure
-
-    def _content(self) -> bytes:
-        (observer,) = self._observers
-        run = observer.run
-        if self._suffix == ".html":
-            return page(run, self._draw(run, "svg").decode()).encode()
-        return self._draw(run, self._suffix[1:])
 
 
 def _drawing() -> Callable[[Run, str], bytes]:

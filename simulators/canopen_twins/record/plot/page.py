@@ -4,8 +4,8 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 
-from canopen_twins.record.plot.run import MOST_MARKS, Run, Span
-from canopen_twins.scenario.verdict import Verdict
+from canopen_twins.record.plot.run import MOST_MARKS, Run
+from canopen_twins.record.plot.track import Span
 
 HEAD = """\
 <!DOCTYPE html>
@@ -41,33 +41,30 @@ def page(run: Run, svg: str) -> str:
 
 
 def _sections(run: Run) -> Iterator[str]:
-    if run.verdict is not None:
-        yield f"<h2>Verdict</h2>\n<pre>{escape(_told(run.verdict))}</pre>\n"
+    if (verdict := run.verdict) is not None:
+        lines = str(verdict).splitlines()
+        more = [f"... and {len(lines) - MOST_LINES} lines more"] if len(lines) > MOST_LINES else []
+        told = "\n".join([*lines[:MOST_LINES], *more])
+        yield f"<h2>Verdict</h2>\n<pre>{escape(told)}</pre>\n"
     yield from _emergencies(run)
     yield from _faults(run)
 
 
-def _told(verdict: Verdict) -> str:
-    lines = str(verdict).splitlines()
-    more = [f"... and {len(lines) - MOST_LINES} lines more"] if len(lines) > MOST_LINES else []
-    return "\n".join([*lines[:MOST_LINES], *more])
-
-
 def _emergencies(run: Run) -> Iterator[str]:
-    told = sorted((e.time, view.name, e.words) for view in run.views for e in view.emergencies)
+    told = sorted((e.time, node.name, e.words) for node in run.nodes for e in node.emergencies)
     if told:
         rows = [(_seconds(time), name, words) for time, name, words in told]
         yield _table("Emergencies", ("at [s]", "node", "message"), rows)
-    for view in run.views:
-        if view.untold:
-            words = f"{view.untold} more after the first {MOST_MARKS}"
-            yield f"<p>{escape(view.name)}: {words}.</p>\n"
+    for node in run.nodes:
+        if node.untold:
+            words = f"{node.untold} more after the first {MOST_MARKS}"
+            yield f"<p>{escape(node.name)}: {words}.</p>\n"
 
 
 def _faults(run: Run) -> Iterator[str]:
-    told = sorted((span, view.name, name) for view in run.views for name, span in run.faults(view))
+    told = sorted((span, node.name, name) for node in run.nodes for name, span in run.faults(node))
     if told:
-        rows = [(_seconds(span.start), _end(run, span), node, name) for span, node, name in told]
+        rows = [(_seconds(span.start), _end(run, span), node, fault) for span, node, fault in told]
         yield _table("Faults", ("from [s]", "to [s]", "node", "fault"), rows)
 
 

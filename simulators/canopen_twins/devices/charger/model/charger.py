@@ -1,15 +1,26 @@
-"""The POWER CHARGER: what masters, operators, surroundings and scenarios do to it."""
+"""The POWER CHARGER: its parts, what is done to it, and how time passes through them."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from enum import Enum, auto
 from typing import Any
 
-from canopen_twins.devices.charger.model.machine import Machine
-from canopen_twins.devices.charger.model.messages import COUNTER, Catalogue, Kind, Message
+from canopen_twins.devices.charger.model.charging import Charging
+from canopen_twins.devices.charger.model.discharging import CLEAN, Dirt, Discharging
+from canopen_twins.devices.charger.model.messages import (
+    COUNTERS,
+    Catalogue,
+    Message,
+    Messages,
+    Severity,
+    Situation,
+)
 from canopen_twins.devices.charger.model.parameters import Parameter, Parameters
-from canopen_twins.devices.charger.model.release import Source
+from canopen_twins.devices.charger.model.release import Release, ReleaseSource, ReleaseState
 from canopen_twins.devices.charger.model.sparks import Sparks
+from canopen_twins.devices.charger.model.surroundings import Feed, Surroundings, feed
+from canopen_twins.devices.charger.model.thermal import Derating, Heating, losses
+from canopen_twins.devices.charger.model.ticks import TICK, Hours, whole_ticks
 from canopen_twins.devices.charger.model.types import Build, Variant
 
 # /C has no entries for the settings of its discharging: by the letter it just works (A-20).
@@ -27,7 +38,7 @@ class Key(Enum):
     OFF = auto()
 
 
-class Charger(Machine):
+class Charger:
     """Time passes in `step`; the rest are commands, and what shows how things are.
 
     Args:
@@ -44,10 +55,74 @@ class Charger(Machine):
         catalogue: Catalogue,
         sparks: Sparks | None = None,
     ) -> None:
-        parameters = Parameters(build.kind, values)
-        super().__init__(build, parameters, catalogue, sparks or Sparks())
+        self.build = build
+        self.parameters = Parameters(build.kind, values)
+        self.now = 0  # ticks
+        self.surroundings = Surroundings()
+        self.release = Release()
+        self.charging = Charging(build.kind, self.parameters, sparks or Sparks())
+        self.discharging = Discharging(build.kind, self.parameters)
+        self.heating = Heating(discharging=build.discharges)
+        self.derating = Derating(build.kind)
+        self.messages = Messages(catalogue)
+        self.hours = Hours()
+        self._touched = True  # something was done since the last tick, or came of it
+        self._next = 0  # tick at which something changes by itself, unless it is touched before
         self._fixed = FIXED_IN_C if build.entries_of is Variant.C else {}
         self.restart(values)
+
+    @property
+    def charging_active(self) -> bool:
+        """High voltage at the charging terminal, from the start of the ramp (A-44)."""
+        return self.release.state is ReleaseState.ON
+
+    @property
+    def discharging_active(self) -> bool:
+        """High voltage at the discharging terminals (2002h:27h, A-43)."""
+        values = self.parameters
+        return (
+            self.build.discharges
+            and self.release.state is not ReleaseState.FAULT
+            and self.surroundings.hardware_release_discharging
+            and values[Parameter.MODE_DISCHARGING] == 1
+            and (self.release.software or not values[Parameter.SOFTWARE_RELEASE_DISCHARGING])
+        )
+
+    @property
+    def enabled(self) -> ReleaseSource:
+        """The sources that may give and take the software release (2002h:02h)."""
+        return ReleaseSource(self.parameters[Parameter.RELEASE_MODE])
+
+    @property
+    def dirt(self) -> tuple[Dirt, Dirt]:
+        """What a /C has found on its discharging bars (6000h:07h and 08h)."""
+        return self.discharging.dirt if self.build.finds_dirt else CLEAN
+
+    @property
+    def supply(self) -> Feed:
+        """What is drawn from the supply (2001h:01h to 03h)."""
+        delivered = self.charging.output.power, self.discharging.now.power
+        return feed(self.surroundings.supply_voltage, *delivered)
+
+    @property
+    def situation(self) -> Situation:
+        """What messages are judged by."""
+        output, supply, values = self.charging.output, self.supply, self.parameters
+        return Situation(
+            kind=self.build.kind,
+            supply_voltage=supply.voltage,
+            supply_power=supply.power,
+            temperatures=self.heating.at(self.now),
+            counts=self.charging.sparks.counts,
+            sparks_limit=values[Parameter.SPARKS_LIMIT],
+            voltage=output.voltage,
+            regulator=output.regulator,
+            limiter=None if output.ramping(self.now) else output.limiter,
+            limiter_warning=values[Parameter.LIMITER_WARNING] == 1,
+            pollution=self.charging.pollution,
+            dirt=self.dirt,
+            discharging_limited=self.discharging.now.limited,
+        )
 
     def restart(self, values: Mapping[Parameter, int]) -> None:
         """As after switching on, but for temperatures and hour counters (A-26)."""
@@ -56,7 +131,7 @@ class Charger(Machine):
         self.charging.restart()
         self.discharging.restart_calibration()
         self.load({**values, Parameter.KEYBOARD_LOCK: 0})  # 2002h:1Ch
-        self.grant(Source.AUTOSTART)
+        self.grant(ReleaseSource.AUTOSTART)
         self._react()
 
     def load(self, values: Mapping[Parameter, int]) -> None:
@@ -76,13 +151,13 @@ class Charger(Machine):
             AFTER_WRITE[parameter](self)
         self._touched = True
 
-    def grant(self, source: Source) -> None:
+    def grant(self, source: ReleaseSource) -> None:
         """A source gives the software release; without effect if it is not enabled (A-40)."""
         if source in self.enabled:
             self.release.set(source, self.now)
             self._touched = True
 
-    def revoke(self, source: Source) -> None:
+    def revoke(self, source: ReleaseSource) -> None:
         """A source takes the software release away, whoever gave it (A-40)."""
         if source in self.enabled:
             self.release.reset()
@@ -91,14 +166,14 @@ class Charger(Machine):
     def press(self, key: Key) -> None:
         """A key of the keypad; without effect while the keyboard is locked (2002h:1Ch)."""
         if not self.parameters[Parameter.KEYBOARD_LOCK]:
-            {Key.ON: self.grant, Key.OFF: self.revoke}[key](Source.HMI)
+            {Key.ON: self.grant, Key.OFF: self.revoke}[key](ReleaseSource.HMI)
 
-    def clear(self, kind: Kind, number: int) -> None:
+    def clear(self, severity: Severity, number: int) -> None:
         """2003h: a message goes if it is active and its cause is gone (A-35)."""
-        message = self.messages.find(kind, number)
+        message = self.messages.find(severity, number)
         if message is None:
             return
-        if counter := COUNTER.get((kind, message.key)):
+        if counter := COUNTERS.get((severity, message.key)):
             self.charging.sparks.reset(counter)
         self.messages.clear(message, self.situation)
         self._react()
@@ -123,11 +198,95 @@ class Charger(Machine):
     def surround(self, **changes: Any) -> None:
         """Change the surroundings; the names are those of `Surroundings`."""
         self.surroundings = replace(self.surroundings, **changes)
-        closed = self.surroundings.hardware_release
-        (self.release.close if closed else self.release.open)()
+        self.release.contact(self.surroundings.hardware_release)
         if "storm" in changes:
             self.charging.expect(self.surroundings.storm)
         self._touched = True
+
+    @property
+    def rest(self) -> float:
+        """Seconds until the next thing happens by itself; 0 while something moves."""
+        quiet = self._quiet
+        return quiet * TICK if quiet > 1 else 0.0
+
+    def step(self, dt: float) -> None:
+        """Let `dt` seconds pass.
+
+        Raises:
+            ValueError: `dt` is not a whole multiple of 10 ms.
+        """
+        remaining = whole_ticks(dt)
+        while remaining > 0:
+            ticks = max(1, min(remaining, self._quiet - 1))  # what happens has a tick of its own
+            self._advance(ticks)
+            remaining -= ticks
+
+    @property
+    def _quiet(self) -> int:
+        """Ticks until something changes by itself."""
+        return 1 if self._touched else self._next - self.now
+
+    def _look_ahead(self) -> int:
+        """The same, worked out anew; it holds until then, as long as nobody acts."""
+        now, charging, discharging = self.now, self.charging_active, self.discharging_active
+        return min(
+            self.release.quiet(now, self.parameters[Parameter.RELEASE_TIMEOUT]),
+            self.charging.quiet(now, charging),
+            self.discharging.quiet(discharging),
+            self.heating.quiet(now),
+            self.derating.quiet(now, self.heating.at(now), self.supply.voltage),
+            self.messages.quiet(now),
+            self.hours.quiet(charging, discharging),
+        )
+
+    def _advance(self, ticks: int) -> None:
+        before = self._state
+        self.now += ticks
+        self._obey()
+        self._drive(ticks)
+        self._warm()
+        self.hours.add(ticks, self.charging_active, self.discharging_active)
+        self.messages.judge(self.now, self.situation)
+        self._react()
+        self._touched = self._state != before
+        if not self._touched:
+            self._next = self.now + self._look_ahead()
+
+    def _obey(self) -> None:
+        """Timeout and analog setpoint; keys and masters have had their say before."""
+        values = self.parameters
+        self.release.expire(self.now, values[Parameter.RELEASE_TIMEOUT])
+        level = self.surroundings.analog if self.charging.analog else 0.0
+        self.release.follow(level if ReleaseSource.ANALOG in self.enabled else None, self.now)
+
+    def _drive(self, ticks: int) -> None:
+        around = self.surroundings
+        if self.charging_active:
+            self.charging.drive(self.now, ticks, around, self.derating.charging)
+        else:
+            self.charging.idle(self.now, ticks)
+        if self.discharging_active:
+            self.discharging.drive(ticks, around.bars, around.web, self.derating.discharging)
+        elif self.build.discharges:
+            self.discharging.idle(around.web)
+
+    def _warm(self) -> None:
+        supply, around = self.supply, self.surroundings
+        delivered = self.charging.output.power, self.discharging.now.power
+        lost = losses(supply.power, *delivered)
+        self.heating.lead(self.now, lost, around.ambient, around.heat)
+        self.derating.review(self.now, self.heating.at(self.now), supply.voltage)
+
+    def _react(self) -> None:
+        """An error that trips switches off and blocks until it is cleared (A-48)."""
+        self.release.block(self.messages.tripped)
+
+    @property
+    def _state(self) -> object:
+        """What the next tick starts from; equal before and after a tick: it has settled."""
+        derating = self.derating
+        powers = derating.charging, derating.discharging
+        return self.release.state, self.charging.output.voltage, powers
 
 
 AFTER_WRITE: Mapping[Parameter, Callable[[Charger], None]] = {

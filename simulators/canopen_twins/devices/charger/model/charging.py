@@ -1,27 +1,107 @@
 """The charging stage: setpoints to output, sparks, and the pollution of its bar."""
 
+from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import ceil
 
 from canopen_twins.devices.charger.model.output import Demand, Output
-from canopen_twins.devices.charger.model.parameters import Parameter, Parameters
-from canopen_twins.devices.charger.model.pollution import (
+from canopen_twins.devices.charger.model.parameters import (
+    CALIBRATING,
     MONITORING,
-    Calibration,
-    Resistance,
-    calibrating,
-    pollution,
+    OFF,
+    Parameter,
+    Parameters,
+    half_up,
 )
-from canopen_twins.devices.charger.model.sparks import WINDOW, Sparks
-from canopen_twins.devices.charger.model.storm import RandomSparks, Storm
+from canopen_twins.devices.charger.model.sparks import WINDOW, RandomSparks, Sparks, Storm
 from canopen_twins.devices.charger.model.surroundings import Surroundings
-from canopen_twins.devices.charger.model.ticks import NEVER, TICK
+from canopen_twins.devices.charger.model.ticks import NEVER, TICK, whole_ticks
 from canopen_twins.devices.charger.model.types import Quantity, Type
 
 MICRO = 1e-6
 ANALOG_INPUTS = (1, 2, 4, 5)  # 2002h:03h: 20 mA or 10 V
-LIMIT_SIGNALS = (3, 4, 5)
+MEAN_TIME = whole_ticks(1.0)  # the resistance is a mean over this time (assumed)
+CALIBRATION = whole_ticks(20 * 60)  # 2002h:19h
+NO_CURRENT = 0xFFFF_FFFF  # ohm (A-51)
+
+
+def resistance(voltage: int, current: int) -> int:
+    """Whole ohm from sums of V and of uA; without current the largest value there is (A-51)."""
+    return min(NO_CURRENT, half_up(voltage * 1_000_000, current)) if current else NO_CURRENT
+
+
+@dataclass
+class Resistance:
+    """The resistance of the load over the last second; sums of whole V and uA are exact."""
+
+    _samples: deque[tuple[int, int]] = field(default_factory=lambda: deque(maxlen=MEAN_TIME))
+    _voltage: int = 0  # sums
+    _current: int = 0
+    _same: int = 0  # samples in a row without a difference
+
+    @property
+    def value(self) -> int:
+        """Ohm; 0 with high voltage off (A-51)."""
+        return resistance(self._voltage, self._current) if self._samples else 0
+
+    def add(self, ticks: int, voltage: int, current: int) -> None:
+        """Take the same sample `ticks` times over, in V and uA."""
+        same = bool(self._samples) and self._samples[-1] == (voltage, current)
+        if same and self._same >= MEAN_TIME:
+            return
+        self._same = (self._same if same else 0) + ticks
+        for _ in range(min(ticks, MEAN_TIME)):
+            if len(self._samples) == MEAN_TIME:
+                self._voltage -= self._samples[0][0]
+                self._current -= self._samples[0][1]
+            self._samples.append((voltage, current))
+            self._voltage += voltage
+            self._current += current
+
+    def clear(self) -> None:
+        """High voltage is off."""
+        self._samples.clear()
+        self._voltage = self._current = self._same = 0
+
+    @property
+    def quiet(self) -> int:
+        """Ticks until it changes."""
+        return NEVER if self._same >= MEAN_TIME or not self._samples else 1
+
+
+@dataclass
+class Calibration:
+    """Twenty minutes with high voltage on that give 2002h:1Ah (2002h:19h, A-60)."""
+
+    _elapsed: int = 0  # ticks
+    _voltage: int = 0  # sums of V and uA
+    _current: int = 0
+
+    def restart(self) -> None:
+        """Forget what was collected."""
+        self._elapsed = self._voltage = self._current = 0
+
+    def add(self, ticks: int, voltage: int, current: int) -> None:
+        """Time has passed with high voltage on; a ramp counts as time but gives no values."""
+        self._elapsed += ticks
+        self._voltage += ticks * voltage
+        self._current += ticks * current
+
+    @property
+    def done(self) -> bool:
+        """Whether the time is over."""
+        return self._elapsed >= CALIBRATION
+
+    @property
+    def result(self) -> int:
+        """The nominal resistance in ohm; never 0, which would mean none."""
+        return max(1, resistance(self._voltage, self._current))
+
+    @property
+    def quiet(self) -> int:
+        """Ticks of high voltage until it is done."""
+        return CALIBRATION - self._elapsed
 
 
 @dataclass
@@ -47,25 +127,25 @@ class Charging:
         return self.parameters[Parameter.ANALOG_SETPOINT] in ANALOG_INPUTS
 
     @property
-    def limit_signal(self) -> bool:
-        """The digital output `Limit` (2002h:03h, A-63)."""
-        reported = self.parameters[Parameter.ANALOG_SETPOINT] in LIMIT_SIGNALS
-        return reported and self.output.limiter is not None
-
-    @property
     def resistance(self) -> int:
         """Of the load, in ohm (2001h:0Ch)."""
         return self._resistance.value
 
     @property
-    def pollution(self) -> int:
-        """In % (6000h:05h)."""
-        return pollution(self.parameters, self.resistance)
+    def calibrating(self) -> bool:
+        """Whether a calibration runs or waits: asked for, or because none has been (A-60)."""
+        wanted = self.parameters[Parameter.POLLUTION_DETECTION]
+        known = self.parameters[Parameter.NOMINAL_RESISTOR]
+        return wanted == CALIBRATING or (wanted == MONITORING and not known)
 
     @property
-    def calibrating(self) -> bool:
-        """Whether a calibration runs or waits for high voltage (2002h:19h)."""
-        return calibrating(self.parameters)
+    def pollution(self) -> int:
+        """How far the resistance is from its nominal, in %, 100 at most (6000h:05h, A-61)."""
+        nominal, present = self.parameters[Parameter.NOMINAL_RESISTOR], self.resistance
+        off = self.parameters[Parameter.POLLUTION_DETECTION] == OFF
+        if off or self.calibrating or not present:
+            return 0
+        return min(100, half_up(100 * abs(present - nominal), nominal))
 
     def setpoints(self, analog: float) -> Mapping[Quantity, int]:
         """In V and uA; `analog` is the level of the analog input in %, where it has its way."""

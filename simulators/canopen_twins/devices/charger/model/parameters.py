@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from enum import Enum, IntEnum
 
-from canopen_twins.devices.charger.model.types import Quantity, Type, governing
+from canopen_twins.devices.charger.model.types import Mode, Quantity, Type
 
 
 class Parameter(IntEnum):
@@ -76,6 +76,7 @@ class OutOfRange(ValueError):  # noqa: N818 - a refusal is an answer of the devi
         self.direction = direction
 
 
+OFF, MONITORING, CALIBRATING = range(3)  # values of 2002h:19h and 28h
 SHORTEST_TIMEOUT = 500  # ms; 2002h:04h: anything shorter is none
 
 
@@ -91,8 +92,8 @@ class Parameters:
 
     @property
     def governing(self) -> Quantity:
-        """What the setpoint of the present mode stands for."""
-        return governing(self[Parameter.MODE])
+        """What the setpoint of the present mode stands for (2002h:0Bh)."""
+        return Quantity.CURRENT if self[Parameter.MODE] == Mode.I_CONST else Quantity.VOLTAGE
 
     def load(self, values: Mapping[Parameter, int]) -> None:
         """Take values over as they once were, without limits and without conversions."""

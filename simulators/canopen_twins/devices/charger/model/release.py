@@ -7,7 +7,7 @@ from enum import Enum, IntFlag, auto
 from canopen_twins.devices.charger.model.ticks import NEVER, TICK_MS
 
 
-class Source(IntFlag):
+class ReleaseSource(IntFlag):
     """Where a software release comes from, as in the bits of 2002h:02h."""
 
     AUTOSTART = 1 << 0
@@ -17,11 +17,11 @@ class Source(IntFlag):
     ETHERNET = 1 << 4
 
 
-BUS = Source.CANOPEN | Source.ETHERNET
+BUS = ReleaseSource.CANOPEN | ReleaseSource.ETHERNET
 ANALOG_ON, ANALOG_OFF = 2.0, 1.0  # % (A-63)
 
 
-class State(Enum):
+class ReleaseState(Enum):
     """LOCKED: no software release. ARMED: it is there. ON: so is the hardware release."""
 
     LOCKED = auto()
@@ -30,7 +30,7 @@ class State(Enum):
     FAULT = auto()
 
 
-class Event(Enum):
+class ReleaseEvent(Enum):
     """What moves the release."""
 
     SET = auto()
@@ -42,19 +42,22 @@ class Event(Enum):
 
 
 # An event that a state does not name changes nothing.
-NEXT: Mapping[State, Mapping[Event, State]] = {
-    State.LOCKED: {Event.SET: State.ARMED, Event.TRIPPED: State.FAULT},
-    State.ARMED: {
-        Event.RESET: State.LOCKED,
-        Event.CLOSED: State.ON,
-        Event.TRIPPED: State.FAULT,
+NEXT: Mapping[ReleaseState, Mapping[ReleaseEvent, ReleaseState]] = {
+    ReleaseState.LOCKED: {
+        ReleaseEvent.SET: ReleaseState.ARMED,
+        ReleaseEvent.TRIPPED: ReleaseState.FAULT,
     },
-    State.ON: {
-        Event.RESET: State.LOCKED,
-        Event.OPENED: State.ARMED,
-        Event.TRIPPED: State.FAULT,
+    ReleaseState.ARMED: {
+        ReleaseEvent.RESET: ReleaseState.LOCKED,
+        ReleaseEvent.CLOSED: ReleaseState.ON,
+        ReleaseEvent.TRIPPED: ReleaseState.FAULT,
     },
-    State.FAULT: {Event.CLEARED: State.LOCKED},
+    ReleaseState.ON: {
+        ReleaseEvent.RESET: ReleaseState.LOCKED,
+        ReleaseEvent.OPENED: ReleaseState.ARMED,
+        ReleaseEvent.TRIPPED: ReleaseState.FAULT,
+    },
+    ReleaseState.FAULT: {ReleaseEvent.CLEARED: ReleaseState.LOCKED},
 }
 
 
@@ -63,51 +66,42 @@ class Release:
     """One software release, whoever gave it: the last event wins (A-40)."""
 
     closed: bool = True  # the hardware release
-    state: State = field(default=State.LOCKED, init=False)
-    source: Source = field(default=Source(0), init=False)
+    state: ReleaseState = field(default=ReleaseState.LOCKED, init=False)
+    source: ReleaseSource = field(default=ReleaseSource(0), init=False)
     _given: int = field(default=0, init=False)  # tick
     _analog: bool = field(default=False, init=False)
 
     @property
     def software(self) -> bool:
         """Whether the software release is set."""
-        return self.state in (State.ARMED, State.ON)
+        return self.state in (ReleaseState.ARMED, ReleaseState.ON)
 
-    def set(self, source: Source, now: int) -> None:
+    def set(self, source: ReleaseSource, now: int) -> None:
         """Give the software release; without effect in FAULT."""
-        self._handle(Event.SET)
+        self._handle(ReleaseEvent.SET)
         self.source, self._given = source, now
 
     def reset(self) -> None:
         """Take the software release away."""
-        self._handle(Event.RESET)
+        self._handle(ReleaseEvent.RESET)
 
-    def restrict(self, enabled: Source) -> None:
+    def restrict(self, enabled: ReleaseSource) -> None:
         """A release from a source that is not enabled any more is taken away (A-41)."""
         if self.source not in enabled:
             self.reset()
 
-    def close(self) -> None:
-        """The hardware release is there."""
-        self.closed = True
-        self._handle(Event.CLOSED)
+    def contact(self, closed: bool) -> None:
+        """The hardware release; without it the software release stays (A-47)."""
+        self.closed = closed
+        self._handle(ReleaseEvent.CLOSED if closed else ReleaseEvent.OPENED)
 
-    def open(self) -> None:
-        """The hardware release is gone; the software release stays (A-47)."""
-        self.closed = False
-        self._handle(Event.OPENED)
-
-    def trip(self) -> None:
-        """An error blocks everything (A-48)."""
-        self._handle(Event.TRIPPED)
-
-    def clear(self) -> None:
-        """No error is left that blocks."""
-        self._handle(Event.CLEARED)
+    def block(self, tripped: bool) -> None:
+        """An error blocks everything until none is left that does (A-48)."""
+        self._handle(ReleaseEvent.TRIPPED if tripped else ReleaseEvent.CLEARED)
 
     def restart(self) -> None:
         """As after switching on: neither released nor in FAULT."""
-        self.state, self._analog = State.LOCKED, False
+        self.state, self._analog = ReleaseState.LOCKED, False
 
     def rewind(self, now: int) -> None:
         """Let the timeout start afresh (A-42)."""
@@ -119,7 +113,7 @@ class Release:
             self._analog = False
         elif not self._analog and level > ANALOG_ON:
             self._analog = True
-            self.set(Source.ANALOG, now)
+            self.set(ReleaseSource.ANALOG, now)
         elif self._analog and level < ANALOG_OFF:
             self._analog = False
             self.reset()
@@ -135,7 +129,7 @@ class Release:
             return NEVER
         return self._given + -(-timeout // TICK_MS) - now
 
-    def _handle(self, event: Event) -> None:
+    def _handle(self, event: ReleaseEvent) -> None:
         self.state = NEXT[self.state].get(event, self.state)
         if self.closed:  # a release that finds the contact closed goes on at once
-            self.state = NEXT[self.state].get(Event.CLOSED, self.state)
+            self.state = NEXT[self.state].get(ReleaseEvent.CLOSED, self.state)

@@ -1,16 +1,21 @@
-"""Sparks: told by the steepness of the current, counted in four counters (2001h:08h to 0Bh)."""
+"""Sparks: at random in a storm, told by their steepness, counted in four counters (2001h:08h)."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum, IntEnum
+from math import ceil, exp, inf
+from random import Random
 
 from canopen_twins.devices.charger.model.parameters import Parameter, Parameters
+from canopen_twins.devices.charger.model.ticks import NEVER, TICK
 
 WINDOW = 0.008  # s, the 8 of f = Value * Imax / 8 (2002h:16h)
 WARNING_SHARE = 0.8  # 2002h:16h and 17h
 DEAD_TIME = 2  # ticks after a counted spark (assumed)
 FULL = 0xFFFF
 TOLERANCE = 1e-9  # "larger than": a change that meets a level exactly is not counted
+HIGHEST = 20.0  # scales above breakdown: it sparks at every tick by then
+SIZES = (0.15, 0.5)  # share of the maximum current, drawn evenly; reaches all four levels
 
 
 class Counter(IntEnum):
@@ -96,3 +101,55 @@ class Sparks:
 
     def _count(self, counter: Counter) -> None:
         self.counts[counter] = min(FULL, self.counts[counter] + 1)
+
+
+@dataclass(frozen=True)
+class Storm:
+    """How often it sparks: `rate` at the breakdown voltage, e times that per `scale` above it."""
+
+    rate: float  # 1/s
+    seed: int = 0
+    breakdown: float = 0.0  # V
+    scale: float = inf  # V
+
+
+@dataclass
+class RandomSparks:
+    """Draws the moments and sizes of the sparks of a storm."""
+
+    storm: Storm
+    _random: Random = field(init=False)
+    _patience: float = field(init=False)  # expected sparks until the next one
+    _spent: float = field(default=0.0, init=False)
+    _rate: float = field(default=0.0, init=False)  # 1/s
+    _since: int = field(default=0, init=False)  # tick
+
+    def __post_init__(self) -> None:
+        self._random = Random(self.storm.seed)
+        self._patience = self._random.expovariate(1.0)
+
+    def lead(self, now: int, voltage: float) -> None:
+        """From `now` on the output stands at `voltage` (V); 0 ends it all."""
+        excess = min(HIGHEST, (voltage - self.storm.breakdown) / self.storm.scale)
+        rate = self.storm.rate * exp(excess) if voltage else 0.0
+        if rate != self._rate:
+            self._spent, self._since, self._rate = self._used(now), now, rate
+
+    def due(self, now: int) -> bool:
+        """Whether a spark strikes at this tick."""
+        return self._used(now) >= self._patience
+
+    def strike(self, now: int) -> float:
+        """The size of the spark that is due, as a share of the maximum current; draws the next."""
+        self._spent, self._since = 0.0, now
+        self._patience = self._random.expovariate(1.0)
+        return self._random.uniform(*SIZES)
+
+    def quiet(self, now: int) -> int:
+        """Ticks until the next spark, or a little less."""
+        if not self._rate:
+            return NEVER
+        return max(1, ceil((self._patience - self._used(now)) / (self._rate * TICK)) - 1)
+
+    def _used(self, now: int) -> float:
+        return self._spent + self._rate * TICK * (now - self._since)

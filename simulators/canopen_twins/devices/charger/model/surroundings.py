@@ -1,19 +1,26 @@
-"""The supply: what the charger draws, and what arrives then (all figures assumed)."""
+"""What is around the charger, supply and load among it; all of it is assumed."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import inf, sqrt
 from typing import NamedTuple
 
-from canopen_twins.devices.charger.model.bars import Bars
+from canopen_twins.devices.charger.model.discharging import Bars
 from canopen_twins.devices.charger.model.load import Electrode, Load, Web
-from canopen_twins.devices.charger.model.storm import Storm
-from canopen_twins.devices.charger.model.thermal import AMBIENT, Heat
+from canopen_twins.devices.charger.model.sparks import Storm
+from canopen_twins.devices.charger.model.thermal import AMBIENT
 from canopen_twins.devices.charger.model.types import Mode, Type
 
 IDLE_POWER = 5.0  # W
 EFFICIENCY = 0.80  # of the charging stage
 EFFICIENCY_DISCHARGING = 0.70
 LINE_RESISTANCE = 0.05  # ohm
+# What an ESA mode is meant for loads the bar differently: active share, leakage in S (A-64).
+MATERIALS = {
+    Mode.ESA_FILM: (1.0, 0.0),
+    Mode.ESA_PAPER: (1.0, 2e-9),
+    Mode.ESA_METALLISED: (1.3, 5e-9),
+}
 
 
 class Feed(NamedTuple):
@@ -33,17 +40,9 @@ def feed(nominal_voltage: float, charging: float, discharging: float) -> Feed:
     return Feed(voltage, power / voltage if voltage else 0.0, power)
 
 
-# What an ESA mode is meant for loads the bar differently: active share, leakage in S (A-64).
-MATERIALS = {
-    Mode.ESA_FILM: (1.0, 0.0),
-    Mode.ESA_PAPER: (1.0, 2e-9),
-    Mode.ESA_METALLISED: (1.3, 5e-9),
-}
-
-
 @dataclass(frozen=True)
 class Surroundings:
-    """Quiet by default; nothing of it can be seen or set over the bus, all of it is assumed."""
+    """Quiet by default; nothing of it can be seen or set over the bus."""
 
     supply_voltage: float = 24.0  # V, without load
     ambient: float = AMBIENT  # degC
@@ -55,7 +54,7 @@ class Surroundings:
     leak: float = inf  # ohm, by conductive dirt
     web: Web = field(default_factory=Web)
     bars: Bars = field(default_factory=Bars)
-    heat: Heat = field(default_factory=Heat)
+    heat: Mapping[str, float] = field(default_factory=dict)  # K, by sensor, as of a blocked fan
     storm: Storm | None = None
 
     def load(self, kind: Type, mode: int) -> Load:

@@ -3,21 +3,22 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import exp, floor, log
-from typing import NamedTuple
 
 from canopen_twins.devices.charger.model.ticks import NEVER, TICK, whole_ticks
 from canopen_twins.devices.charger.model.types import Type
 
 AMBIENT = 25.0  # degC
-
-
-class Heat(NamedTuple):
-    """Heat from outside, such as a blocked fan, in K on top of each temperature."""
-
-    power_stage: float = 0.0
-    inside: float = 0.0
-    cascade: float = 0.0
-    discharging: float = 0.0
+CASCADE_LOSS = 0.05  # of the charging power
+SENSORS: Mapping[str, tuple[float, float]] = {  # K/W, s
+    "power_stage": (1.2, 600.0),
+    "inside": (0.6, 900.0),
+    "cascade": (6.0, 400.0),
+    "discharging": (20.0, 400.0),
+}
+REVIEW = whole_ticks(1.0)
+SPAN = 15.0  # K from full power to none
+FULL_POWER_UP_TO = {"power_stage": 70.0, "discharging": 65.0}  # degC
+LOWEST_SUPPLY, FULL_SUPPLY = 18.0, 21.0  # V
 
 
 @dataclass
@@ -56,15 +57,6 @@ class Temperature:
         return max(1, floor(seconds / TICK))
 
 
-CASCADE_LOSS = 0.05  # of the charging power
-SENSORS: Mapping[str, tuple[float, float]] = {  # K/W, s
-    "power_stage": (1.2, 600.0),
-    "inside": (0.6, 900.0),
-    "cascade": (6.0, 400.0),
-    "discharging": (20.0, 400.0),
-}
-
-
 class Heating:
     """All sensors together."""
 
@@ -79,10 +71,12 @@ class Heating:
         """Every temperature in degC."""
         return {name: sensor.at(now) for name, sensor in self._sensors.items()}
 
-    def lead(self, now: int, losses: Mapping[str, float], ambient: float, heat: Heat) -> None:
-        """From `now` on there are these losses (W)."""
+    def lead(
+        self, now: int, losses: Mapping[str, float], ambient: float, heat: Mapping[str, float]
+    ) -> None:
+        """From `now` on there are these losses (W), and so many K on top of what they explain."""
         for name, sensor in self._sensors.items():
-            sensor.lead(now, losses[name], ambient, getattr(heat, name))
+            sensor.lead(now, losses[name], ambient, heat.get(name, 0.0))
 
     def quiet(self, now: int) -> int:
         """Ticks until one of them reaches another whole degree."""
@@ -98,12 +92,6 @@ def losses(supply: float, charging: float, discharging: float) -> Mapping[str, f
         "cascade": CASCADE_LOSS * charging,
         "discharging": discharging,
     }
-
-
-REVIEW = whole_ticks(1.0)
-SPAN = 15.0  # K from full power to none
-FULL_POWER_UP_TO = {"power_stage": 70.0, "discharging": 65.0}  # degC
-LOWEST_SUPPLY, FULL_SUPPLY = 18.0, 21.0  # V
 
 
 class Derating:

@@ -1,10 +1,14 @@
-"""Time in whole ticks of 10 ms: one long step then equals many short ones exactly."""
+"""Time in whole ticks of 10 ms, so that one long step equals many short ones; hour counters."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 TICK_MS = 10
 TICK = TICK_MS / 1000  # s
 NEVER = 1 << 62  # ticks
+MINUTES_A_DAY = 24 * 60
+MINUTES_A_YEAR = 365 * MINUTES_A_DAY  # A-17
+LAST_YEAR = 255
 
 
 def whole_ticks(seconds: float) -> int:
@@ -13,6 +17,9 @@ def whole_ticks(seconds: float) -> int:
     if abs(ticks * TICK - seconds) > 1e-6:
         raise ValueError(f"{seconds} s is not a whole multiple of {TICK} s")
     return ticks
+
+
+MINUTE = whole_ticks(60.0)
 
 
 @dataclass
@@ -38,3 +45,40 @@ class Hold:
         if self._since is None or self.due(now):
             return NEVER
         return self.delay - (now - self._since)
+
+
+class Duration(NamedTuple):
+    """A counter as it is read (2000h); years stop at 255."""
+
+    years: int
+    days: int
+    hours: int
+    minutes: int
+
+
+def duration(ticks: int) -> Duration:
+    """What a counter shows after so many ticks."""
+    years, rest = divmod(ticks // MINUTE, MINUTES_A_YEAR)
+    days, rest = divmod(rest, MINUTES_A_DAY)
+    return Duration(min(years, LAST_YEAR), days, *divmod(rest, 60))
+
+
+@dataclass
+class Hours:
+    """The three hour counters in ticks: with supply, with charging, with discharging."""
+
+    operating: int = 0
+    charging: int = 0
+    discharging: int = 0
+
+    def add(self, ticks: int, charging: bool, discharging: bool) -> None:
+        """Time has passed, with or without the two stages on."""
+        self.operating += ticks
+        self.charging += ticks * charging
+        self.discharging += ticks * discharging
+
+    def quiet(self, charging: bool, discharging: bool) -> int:
+        """Ticks until the next whole minute of one that runs."""
+        running = [self.operating]
+        running += [self.charging] * charging + [self.discharging] * discharging
+        return min(MINUTE - ticks % MINUTE for ticks in running)

@@ -32,11 +32,6 @@ class Quantity(Enum):
     POWER = "power"
 
 
-def governing(mode: int) -> Quantity:
-    """The quantity the setpoint of a mode stands for (2002h:0Bh)."""
-    return Quantity.CURRENT if mode == Mode.I_CONST else Quantity.VOLTAGE
-
-
 @dataclass(frozen=True)
 class Type:
     """One type. Limits of parameters are whole numbers in the unit of the parameter: V and uA."""

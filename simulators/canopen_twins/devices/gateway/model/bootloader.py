@@ -7,7 +7,7 @@ from enum import Enum
 from canopen_twins.devices.gateway.model import errors
 
 # 9.3.2: all that can be read while the bootloader does not hand on
-PARAMETERS = (
+FROM_BOOTLOADER = (
     *(3075, 3076, 3078, 3079, 3087, 3089, 3094, 3095, 3096, 3097, 3098),
     *(3800, 3801, 3802, 3803, 3840, 3841, 3842, 3850, 3870),
 )
@@ -40,6 +40,23 @@ class Finding:
     exception: tuple[int, int, int, int] = (0, 0, 0, 0)
     """3095 to 3098: number, address low and high, flags."""
 
+    @classmethod
+    def of_test(cls, status: int, values: tuple[int, int, int] = (0, 0, 0)) -> "Finding":
+        """A test failed with this TestStatus and its three values (9.3.3).
+
+        Raises:
+            ValueError: no such status.
+        """
+        if status not in TEST_STATUS_ERRORS:
+            raise ValueError(f"3800 TestStatus: {status} is not in 1..10")
+        return cls(TEST_STATUS_ERRORS[status], status, values)
+
+    @classmethod
+    def of_watchdog(cls, address: int = 0, flags: int = 0) -> "Finding":
+        """The watchdog ended the programme at this address (9.3.1)."""
+        exception = (WATCHDOG_EXCEPTION, address & 0xFFFF, address >> 16 & 0xFFFF, flags)
+        return cls(errors.WATCHDOG, exception=exception)
+
 
 NOTHING = Finding()
 
@@ -60,21 +77,6 @@ class Bootloader:
     def __init__(self) -> None:
         self.finding: Finding | EndlessLoop | None = None
         self.eeprom_code = 0
-
-    def failed(self, status: int, values: tuple[int, int, int] = (0, 0, 0)) -> None:
-        """Let a test fail with this TestStatus and its three values (9.3.3).
-
-        Raises:
-            ValueError: no such status.
-        """
-        if status not in TEST_STATUS_ERRORS:
-            raise ValueError(f"3800 TestStatus: {status} is not in 1..10")
-        self.finding = Finding(TEST_STATUS_ERRORS[status], status, values)
-
-    def watchdog_fired(self, address: int = 0, flags: int = 0) -> None:
-        """Let the watchdog have ended the programme at this address (9.3.1)."""
-        exception = (WATCHDOG_EXCEPTION, address & 0xFFFF, address >> 16 & 0xFFFF, flags)
-        self.finding = Finding(errors.WATCHDOG, exception=exception)
 
     def damaged(self, part: Eeprom) -> bool:
         """Whether this part of the EEPROM is faulty."""

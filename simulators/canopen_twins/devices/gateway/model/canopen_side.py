@@ -1,16 +1,46 @@
-"""CAN2 controller of the gateway: what leaves, and how it gets over a bus fault (12423)."""
+"""CANopen side of the gateway: its state, what leaves, and how it gets over a bus fault (12423)."""
 
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import NamedTuple
 
-from canopen_twins.devices.gateway.model.assignment import Assignment
-from canopen_twins.devices.gateway.model.dictionary import DIGITAL, PARTNER_NODE, Dictionary, Entry
-from canopen_twins.devices.gateway.model.state import COMMUNICATING, Machine, State
-from canopen_twins.devices.gateway.model.store import Store
-from canopen_twins.devices.gateway.model.timing import MOST_HEARTBEAT_CYCLES, cycles
+from canopen_twins.devices.gateway.model.configuration import (
+    DIGITAL_OUTPUT,
+    HEARTBEAT_LIMIT,
+    HEARTBEAT_PERIOD,
+    PARTNER_NODE,
+    Dictionary,
+    Entry,
+)
+from canopen_twins.devices.gateway.model.errors import Assignment
+from canopen_twins.devices.gateway.model.parameters import Store
+from canopen_twins.devices.gateway.model.state import COMMUNICATING, NEXT, GatewayState, Trigger
+from canopen_twins.devices.gateway.model.timing import Watch, heartbeat_cycles
 
 BINARY_TPDOS = (1, 2, 3)
+RETRY_CYCLES = 31  # main cycles: half a second
+
+
+@dataclass(frozen=True)
+class BootUp:
+    """The boot-up message: initialised, or over a bus fault without heartbeats (A-10)."""
+
+
+@dataclass(frozen=True)
+class Heartbeat:
+    """The heartbeat that tells of the end of a bus fault; those in between are a matter of time."""
+
+    state: GatewayState
+
+
+class TpdoFrame(NamedTuple):
+    """A TPDO 1..16 with the words it carries."""
+
+    number: int
+    words: tuple[int, ...]
+
+
+Sent = BootUp | Heartbeat | TpdoFrame
 
 
 class FirstTpdo(Enum):
@@ -40,7 +70,7 @@ class Outputs:
 
     def value(self, index: int, sub: int) -> int:
         """The value of a word of 2000h to 2004h; 0 before anything has come for it."""
-        if index == DIGITAL:
+        if index == DIGITAL_OUTPUT:
             return self._digital[sub - 1]
         return self._values.get(Entry(index, sub), 0)
 
@@ -73,36 +103,11 @@ class Outputs:
         }[self._first]
 
 
-RETRY_CYCLES = 31  # main cycles: half a second
-
-
-@dataclass(frozen=True)
-class BootUp:
-    """The boot-up message: initialised, or over a bus fault without heartbeats (A-10)."""
-
-
-@dataclass(frozen=True)
-class Heartbeat:
-    """The heartbeat that tells of the end of a bus fault; those in between are a matter of time."""
-
-    state: State
-
-
-class TpdoFrame(NamedTuple):
-    """A TPDO 1..16 with the words it carries."""
-
-    number: int
-    words: tuple[int, ...]
-
-
-Message = BootUp | Heartbeat | TpdoFrame
-
-
 @dataclass
 class Plug:
     """The CANopen plug of the gateway: what was sent, and whether the bus is disturbed."""
 
-    outbox: list[Message] = field(default_factory=list)
+    outbox: list[Sent] = field(default_factory=list)
     """What is new, oldest first; whoever has put it on the bus clears the list."""
     fault: bool = False
 
@@ -121,7 +126,7 @@ class CanopenBus:
         """Whether frames get in and out."""
         return not self.failed and not self.plug.fault
 
-    def send(self, message: Message) -> None:
+    def send(self, message: Sent) -> None:
         """Send, or lose the message."""
         if self.alive:
             self.plug.outbox.append(message)
@@ -136,89 +141,76 @@ class CanopenBus:
             self.failed, self._age = self.plug.fault, 0
 
 
-@dataclass
-class Consumer:
-    """Watches the partner in Operational."""
-
-    limit: int
-    """Main cycles after which the partner is missed; 0: it is not watched (428, 430)."""
-    always_armed: bool = False
-    """Whether it is missed even before its first heartbeat in Operational (A-19)."""
-    tripped: bool = False
-    _armed: bool = False
-    _age: int = 0
-
-    def begin(self) -> None:
-        """Operational was entered."""
-        self.tripped, self._armed, self._age = False, self.always_armed, 0
-
-    def receive(self) -> None:
-        """A heartbeat came; a trip is over."""
-        self.tripped, self._armed, self._age = False, True, 0
-
-    def step(self, state: State) -> None:
-        """One main cycle without a heartbeat."""
-        if state is State.OPERATIONAL and self._armed:
-            self._age += 1
-            self.tripped = self.tripped or 0 < self.limit < self._age
-
-
-HEARTBEAT_PERIOD, HEARTBEAT_LIMIT = 429, 430
-
-
 class CanopenSide:
     """Which service works is decided by the state machine and by the health of the bus."""
 
     def __init__(
-        self, plug: Plug, machine: Machine, settings: Store, cycle: int, *, always_armed: bool
+        self,
+        plug: Plug,
+        settings: Store,
+        assignment: Assignment,
+        first: FirstTpdo,
+        *,
+        always_armed: bool,
     ) -> None:
         self.bus = CanopenBus(plug)
         self.outputs: Outputs | None = None
         """The values of the object dictionary, while there is one."""
-        self._machine = machine
+        self.state = GatewayState.UNDEFINED
+        """Of the state machine (3)."""
+        self._assignment, self._first = assignment, first
         self._digital = (0, 0)  # errors and engine state, told even before there is a dictionary
         self._beats = bool(settings[HEARTBEAT_PERIOD])
-        limit = cycles(settings[HEARTBEAT_LIMIT], cycle, MOST_HEARTBEAT_CYCLES)
-        self.consumer = Consumer(limit if settings[PARTNER_NODE] else 0, always_armed)
+        limit = heartbeat_cycles(settings[HEARTBEAT_LIMIT])
+        self.partner = Watch(limit if settings[PARTNER_NODE] else 0)
+        """In Operational; without a first heartbeat it is not missed, or at once (A-19)."""
+        self._always_armed = always_armed
 
     @property
     def listening(self) -> bool:
         """Whether NMT is heard; the other services depend on the state."""
-        return self._machine.state in COMMUNICATING and self.bus.alive
+        return self.state in COMMUNICATING and self.bus.alive
 
     @property
     def operational(self) -> bool:
         """Whether PDOs are exchanged."""
-        return self.listening and self._machine.state is State.OPERATIONAL
+        return self.state is GatewayState.OPERATIONAL and self.bus.alive
 
-    def create(self, outputs: Outputs) -> None:
+    def handle(self, trigger: Trigger) -> None:
+        """Go where the trigger leads; Undefined and Init end the object dictionary."""
+        before = self.state
+        self.state = NEXT[before].get(trigger, before)
+        if self.state is before:
+            return
+        if self.state not in COMMUNICATING:
+            self.outputs = None
+        if self.state is GatewayState.OPERATIONAL:
+            self.partner.begin()
+            if self.outputs is not None:
+                self.outputs.begin()
+
+    def create(self, dictionary: Dictionary) -> None:
         """The init telegrams were accepted: there is a dictionary now."""
-        outputs.show(*self._digital)
-        self.outputs = outputs
+        self.outputs = Outputs(dictionary, self._assignment, self._first)
+        self.outputs.show(*self._digital)
 
     def boot_up(self) -> None:
         """Pre-Operational was entered from Init."""
         self.bus.send(BootUp())
 
-    def begin_operation(self) -> None:
-        """Operational was entered."""
-        self.consumer.begin()
-        if self.outputs is not None:
-            self.outputs.begin()
-
     def step(self) -> None:
         """One main cycle: the partner's heartbeat, and the health of the bus."""
-        state = self._machine.state
-        self.consumer.step(state)
+        if self.state is GatewayState.OPERATIONAL and (self._always_armed or self.partner.arrived):
+            self.partner.step()
         failed = self.bus.failed
         self.bus.step()
-        if failed and not self.bus.failed and state in COMMUNICATING:  # A-10
-            self.bus.send(Heartbeat(state) if self._beats else BootUp())
+        if failed and not self.bus.failed and self.state in COMMUNICATING:  # A-10
+            self.bus.send(Heartbeat(self.state) if self._beats else BootUp())
 
     def partner_heartbeat(self) -> None:
         """A heartbeat of the watched partner, its boot-up included (A-19)."""
         if self.bus.alive:
-            self.consumer.receive()
+            self.partner.receive()
 
     def mapped(self, rpdo: int) -> tuple[Entry, ...]:
         """The entries of an RPDO 1..4 that is taken; none if it is not active, or nothing is."""

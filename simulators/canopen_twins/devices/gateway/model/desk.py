@@ -1,24 +1,52 @@
 """DcDesk on one control unit: reads and changes parameters, saves them, clears errors (7 to 9)."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from canopen_twins.devices.gateway.model import bootloader
-from canopen_twins.devices.gateway.model.measurements import measured
+from canopen_twins.devices.gateway.model.bootloader import FROM_BOOTLOADER, Eeprom
+from canopen_twins.devices.gateway.model.errors import COUNTERS, MOST
 from canopen_twins.devices.gateway.model.parameters import Catalogue, Parameter
 from canopen_twins.devices.gateway.model.unit import ControlUnit, Life
+
+SERIAL = (3844, 3845)
+
+
+def _error(unit: ControlUnit[Any], number: int) -> float:
+    in_bootloader = unit.life is Life.BOOTLOADER
+    return unit.bootloader.shows(number) if in_bootloader else unit.memory.has(number)
+
+
+def _exception(unit: ControlUnit[Any], number: int) -> float:
+    damaged = unit.bootloader.damaged(Eeprom.EXCEPTION)
+    return 0 if damaged else unit.exception[number - 3195]
+
+
+def _serial(unit: ControlUnit[Any], number: int) -> float:
+    return 0 if unit.bootloader.damaged(Eeprom.SERIAL_NUMBER) else unit.shown[number]
+
+
+READERS: Mapping[Iterable[int], Callable[[ControlUnit[Any], int], float]] = {
+    range(3000, 3095): _error,
+    range(3100, 3195): lambda unit, number: unit.memory.counts.get(number - COUNTERS, 0),
+    (3099,): lambda unit, _: unit.bootloader.eeprom_code,
+    (*range(3095, 3099), *range(3800, 3804)): lambda unit, number: unit.bootloader.shows(number),
+    range(3195, 3199): _exception,
+    SERIAL: _serial,
+}
+BY_NUMBER = {number: read for numbers, read in READERS.items() for number in numbers}
+
+
+def measured(unit: ControlUnit[Any], number: int) -> float:
+    """The present value of a measurement, in its unit; a number the unit has is presumed."""
+    if number in unit.live:
+        return unit.live[number]()
+    return BY_NUMBER[number](unit, number) if number in BY_NUMBER else unit.shown[number]
+
 
 IDENTIFIER, LAST_IDENTIFIER = 3850, 3851
 PC_HIGH, PC_LOW = 2424, 2425
 SHOWN = (
-    2406,
-    PC_HIGH,
-    PC_LOW,
-    3600,
-    *range(3840, 3846),
-    IDENTIFIER,
-    LAST_IDENTIFIER,
-    3865,
+    *(2406, PC_HIGH, PC_LOW, 3600, *range(3840, 3846), IDENTIFIER, LAST_IDENTIFIER, 3865),
     *range(3895, 3899),
 )
 """Measurements that nothing in the model makes."""
@@ -121,5 +149,39 @@ class Desk:
         in_bootloader = unit.life is Life.BOOTLOADER and not unit.bootloader.silent
         if unit.life is Life.RUNNING:
             return
-        if not (in_bootloader and parameter.number in bootloader.PARAMETERS):
+        if not (in_bootloader and parameter.number in FROM_BOOTLOADER):
             raise ValueError(f"{parameter.title}: no answer, the unit is {unit.life.value}")
+
+    @property
+    def kept(self) -> dict[str, Any]:
+        """What the unit keeps without power, as values for a file: parameters, counters, exception.
+
+        The last identification as well (8.3).
+        """
+        unit = self._unit
+        counts = unit.memory.counts
+        return {
+            "parameters": {str(number): value for number, value in unit.store.saved.items()},
+            "errors": {str(number + COUNTERS): counts[number] for number in sorted(counts)},
+            "exception": list(unit.exception),
+            "last identifier": unit.shown[LAST_IDENTIFIER],
+        }
+
+    def restore(self, values: Mapping[str, Any]) -> None:
+        """Begin with what was kept; what is not given stays as it is.
+
+        Raises:
+            ValueError: something in it is not what this unit keeps.
+        """
+        unit = self._unit
+        try:
+            self.deliver(
+                self.checked({int(n): each for n, each in values.get("parameters", {}).items()})
+            )
+            for number, count in values.get("errors", {}).items():
+                unit.memory.counts[int(number) - COUNTERS] = min(max(0, int(count)), MOST)
+            first, second, third, fourth = values.get("exception", unit.exception)
+            unit.exception = (int(first), int(second), int(third), int(fourth))
+            self.show(LAST_IDENTIFIER, values.get("last identifier", 0))
+        except (AttributeError, TypeError) as reason:
+            raise ValueError(f"{unit.which.value}: not what was kept: {reason}") from None

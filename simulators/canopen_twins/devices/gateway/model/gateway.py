@@ -1,43 +1,32 @@
-"""Programme of the gateway: two sources of commands, the dialogue with the governor, and errors."""
+"""Gateway, the control unit of type CM: obeys master and governor, and carries PDOs over."""
 
 from functools import partial
 from typing import Any
 
 from canopen_twins.devices.gateway.model import errors
-from canopen_twins.devices.gateway.model.assignment import Assignment
-from canopen_twins.devices.gateway.model.canopen_errors import OF_GATEWAY, CanopenError
-from canopen_twins.devices.gateway.model.canopen_side import CanopenSide, Outputs, Plug
+from canopen_twins.devices.gateway.model.canopen_side import CanopenSide, Plug
+from canopen_twins.devices.gateway.model.desk import Desk
+from canopen_twins.devices.gateway.model.errors import OF_GATEWAY, CanopenError
 from canopen_twins.devices.gateway.model.handshake import Initialisation
-from canopen_twins.devices.gateway.model.heinzmann_can import SHOWN, Numbers
-from canopen_twins.devices.gateway.model.options import Options
-from canopen_twins.devices.gateway.model.programme import Programme
-from canopen_twins.devices.gateway.model.state import (
-    COMMUNICATING,
-    GovernorCommand,
-    Machine,
-    MasterCommand,
-    State,
-    Trigger,
-    Trouble,
-)
-from canopen_twins.devices.gateway.model.telegrams import (
+from canopen_twins.devices.gateway.model.heinzmann_can import (
+    SHOWN,
     Binary,
     ClearErrors,
     Command,
     GatewayAlive,
     GovernorAlive,
+    HeinzmannCan,
     InitData,
     InitEnd,
-    InitReady,
-    InitResult,
-    Refusal,
     RpdoData,
     Telegram,
     TpdoData,
 )
-from canopen_twins.devices.gateway.model.unit import ControlUnit
+from canopen_twins.devices.gateway.model.parameters import Unit
+from canopen_twins.devices.gateway.model.state import GatewayState, MasterCommand, Trigger, Trouble
+from canopen_twins.devices.gateway.model.timing import GATEWAY_CYCLE
+from canopen_twins.devices.gateway.model.unit import ControlUnit, Programme, Surroundings
 
-NUMBERS = Numbers(partner=402, enable=4400)  # 7.2.1
 FATAL = errors.bits(errors.FATAL)
 CANOPEN_BUS_ERROR = errors.bit(errors.CAN_BUS_2)
 
@@ -45,18 +34,20 @@ CANOPEN_BUS_ERROR = errors.bit(errors.CAN_BUS_2)
 class GatewayProgramme(Programme):
     """`tick` is the order of a main cycle; everything else is handled when it arrives."""
 
-    def __init__(
-        self, unit: ControlUnit[Any], plug: Plug, assignment: Assignment, options: Options
-    ) -> None:
-        super().__init__(unit, NUMBERS, OF_GATEWAY)
-        self._machine = Machine()
+    def __init__(self, unit: ControlUnit[Any], plug: Plug, around: Surroundings) -> None:
+        can = HeinzmannCan(unit.wiring, unit.store, partner=402, enable=4400)  # 7.2.1
+        super().__init__(unit, can, OF_GATEWAY)
+        options = around.options
         self.canopen = CanopenSide(
-            plug, self._machine, unit.store, unit.cycle, always_armed=options.always_armed
+            plug,
+            unit.store,
+            around.tables.assignment,
+            options.first_tpdo,
+            always_armed=options.always_armed,
         )
-        self._initialisation = Initialisation(unit.store)
-        self._assignment, self._first = assignment, options.first_tpdo
+        self._initialisation = Initialisation(unit.store, self.canopen, self.errors, can.send)
         self._blocked = False  # 9.4: Undefined until a reset
-        self._told: tuple[State, int, bool, bool, CanopenError] | None = None
+        self._told: tuple[GatewayState, int, bool, bool, CanopenError] | None = None
         self.live |= {number: partial(self.can.shows, number) for number in SHOWN}
         self.live |= {
             2405: lambda: int(self.can.connected),
@@ -64,9 +55,9 @@ class GatewayProgramme(Programme):
         }
 
     @property
-    def state(self) -> State:
+    def state(self) -> GatewayState:
         """The CANopen state machine."""
-        return self._machine.state
+        return self.canopen.state
 
     @property
     def causes(self) -> int:
@@ -102,7 +93,7 @@ class GatewayProgramme(Programme):
     def tick(self) -> None:
         """One main cycle."""
         self.canopen.step()
-        self.errors.follow(CanopenError.HEARTBEAT, self.canopen.consumer.tripped)
+        self.errors.follow(CanopenError.HEARTBEAT, self.canopen.partner.tripped)
         self._pulses = 0
         self.evaluate()
         self._blocked = self._blocked or bool(self.unit.memory.present & FATAL)
@@ -117,7 +108,7 @@ class GatewayProgramme(Programme):
 
     def clear(self) -> None:
         """Clear all errors here."""
-        self.canopen.consumer.tripped = False
+        self.canopen.partner.tripped = False
         super().clear()
         self._told = None  # the governor has forgotten, too, what we told it
 
@@ -132,56 +123,19 @@ class GatewayProgramme(Programme):
             case GovernorAlive(told):
                 self.errors.partner = told
             case Command() as command:
-                self._obey(command)
-            case InitData() as data if self._initialising(data.session):
+                self._initialisation.obey(command, ready=self._ready)
+            case InitData() as data:
                 self._initialisation.collect(data)
-            case InitEnd(session, count) if self._initialising(session):
-                self._judge(count)
+            case InitEnd() as end:
+                self._initialisation.judge(end)
             case ClearErrors():
                 self.clear()
         self._tell_change()
 
-    def _obey(self, command: Command) -> None:
-        match command.command:
-            case GovernorCommand.INIT if self._ready:
-                self._begin(command)
-            case GovernorCommand.UNDEFINED:
-                self._enter(command.command)
-            case GovernorCommand.PRE_OPERATIONAL if self._accepted(command.session):
-                self._initialisation.fresh = False
-                self._enter(command.command)
-                self.canopen.boot_up()
-
-    def _begin(self, command: Command) -> None:
-        if self._initialisation.fresh and not command.fresh:
-            self.errors.own |= CanopenError.GW_RESET
-        self._initialisation.begin(command.session)
-        self._enter(command.command)
-        self.can.send(InitReady(command.session))
-
-    def _initialising(self, session: int) -> bool:
-        return self.state is State.INIT and session == self._initialisation.session
-
-    def _accepted(self, session: int) -> bool:
-        return self._initialising(session) and self.canopen.outputs is not None
-
-    def _judge(self, count: int) -> None:
-        match self._initialisation.judge(count):
-            case Refusal() as refusal:
-                self.can.send(InitResult(self._initialisation.session, refusal))
-            case dictionary:
-                self.canopen.create(Outputs(dictionary, self._assignment, self._first))
-                self.can.send(InitResult(self._initialisation.session, None))
-
     def _enter(self, trigger: Trigger) -> None:
         before = self.state
-        self._machine.handle(trigger)
-        if self.state is before:
-            return
-        if self.state not in COMMUNICATING:
-            self.canopen.outputs = None
-        if self.state is State.OPERATIONAL:
-            self.canopen.begin_operation()
+        self.canopen.handle(trigger)
+        if self.state is not before and self.state is GatewayState.OPERATIONAL:
             self.errors.clear(self.causes)
 
     def _tell_change(self) -> None:
@@ -190,3 +144,20 @@ class GatewayProgramme(Programme):
         if content != self._told:
             self._told = content
             self.can.send(GatewayAlive(*content, first=self._cycles == 0))
+
+
+class Gateway(ControlUnit[GatewayProgramme]):
+    """The control unit, with the CANopen plug."""
+
+    which, partner = Unit.GATEWAY, Unit.GOVERNOR
+    inner_faults = errors.FATAL
+
+    def __init__(self, around: Surroundings) -> None:
+        super().__init__(around, GATEWAY_CYCLE)
+        self.desk = Desk(self, around.tables.catalogue)
+        self.plug = Plug()
+        self._around = around
+
+    def start(self) -> GatewayProgramme:
+        """The programme, as it begins."""
+        return GatewayProgramme(self, self.plug, self._around)

@@ -1,35 +1,33 @@
-"""Programme of the governor: governs the engine, initialises the gateway, serves its PDOs."""
+"""Governor, the control unit of type DC: governs the engine, initialises the gateway, has PDOs."""
 
 from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from canopen_twins.devices.gateway.model import configuration, errors
-from canopen_twins.devices.gateway.model.assignment import Assignment
-from canopen_twins.devices.gateway.model.canopen_errors import OF_GOVERNOR, CanopenError
-from canopen_twins.devices.gateway.model.engine import Engine
-from canopen_twins.devices.gateway.model.engine_control import EngineControl, Operation
+from canopen_twins.devices.gateway.model import errors
+from canopen_twins.devices.gateway.model.configuration import init_parts, tpdos
+from canopen_twins.devices.gateway.model.desk import Desk, measured
+from canopen_twins.devices.gateway.model.engine import Engine, EngineControl, Operation
+from canopen_twins.devices.gateway.model.errors import OF_GOVERNOR, CanopenError
 from canopen_twins.devices.gateway.model.handshake import Handshake, Phase
-from canopen_twins.devices.gateway.model.heinzmann_can import Numbers
-from canopen_twins.devices.gateway.model.inputs import Inputs
-from canopen_twins.devices.gateway.model.measurements import measured
-from canopen_twins.devices.gateway.model.programme import Programme
-from canopen_twins.devices.gateway.model.scaling import Scaling
-from canopen_twins.devices.gateway.model.state import State
-from canopen_twins.devices.gateway.model.telegrams import (
+from canopen_twins.devices.gateway.model.heinzmann_can import (
     Binary,
     ClearErrors,
     GatewayAlive,
     GovernorAlive,
+    HeinzmannCan,
     InitReady,
     InitResult,
     RpdoData,
     Telegram,
     TpdoData,
 )
-from canopen_twins.devices.gateway.model.unit import ControlUnit
+from canopen_twins.devices.gateway.model.inputs import Inputs
+from canopen_twins.devices.gateway.model.parameters import Unit
+from canopen_twins.devices.gateway.model.state import GatewayState
+from canopen_twins.devices.gateway.model.timing import microseconds
+from canopen_twins.devices.gateway.model.unit import ControlUnit, Programme, Surroundings, Tables
 
-NUMBERS = Numbers(partner=403, enable=4406)  # 7.1.1
 OVERSPEED = errors.bit(errors.OVERSPEED)
 SERVED = (Phase.PREOP, Phase.RUN)  # TPDO counters run from the command Pre-Operational (A-45)
 
@@ -38,35 +36,27 @@ class GovernorProgramme(Programme):
     """`tick` is the order of a main cycle; telegrams are handled when they arrive."""
 
     def __init__(
-        self,
-        unit: ControlUnit[Any],
-        engine: Engine,
-        operation: Operation,
-        scaling: Scaling,
-        assignment: Assignment,
+        self, unit: ControlUnit[Any], engine: Engine, operation: Operation, tables: Tables
     ) -> None:
-        super().__init__(unit, NUMBERS, OF_GOVERNOR)
-        settings, cycle = unit.store, unit.cycle
-        self._engine, self._assignment = engine, assignment
-        parts = configuration.init_parts(settings, scaling, cycle)
+        can = HeinzmannCan(unit.wiring, unit.store, partner=403, enable=4406)  # 7.1.1
+        super().__init__(unit, can, OF_GOVERNOR)
+        settings, cycle, scaling = unit.store, unit.cycle, tables.scaling
+        self._engine, self._assignment = engine, tables.assignment
+        parts = init_parts(settings, scaling, cycle)
         self.handshake = Handshake(unit.time, self.can.send, parts)
-        self.inputs = Inputs(
-            configuration.sensors(settings),
-            configuration.switch_functions(settings),
-            configuration.monitoring(settings, cycle),
-        )
+        self.inputs = Inputs(settings, cycle)
         self.control = EngineControl(engine, operation, self.inputs, scaling, cycle / 1_000_000)
         self.live |= self.control.measurements
-        self._tpdos = configuration.tpdos(settings, scaling, cycle)
+        self._tpdos = tpdos(settings, scaling, cycle)
         self._words = {
-            tpdo.number: [(self._reader(n), scaling.count(n)) for n in tpdo.sources.values()]
+            tpdo.number: [(self._reader(n), scaling.of(n)) for n in tpdo.sources.values()]
             for tpdo in self._tpdos
         }
         self._served = 0  # main cycles
         self._met = False  # the gateway was heard since the reset
 
     @property
-    def state(self) -> State:
+    def state(self) -> GatewayState:
         """The governor's copy of the gateway's state."""
         return self.handshake.state
 
@@ -101,10 +91,10 @@ class GovernorProgramme(Programme):
             self.handshake.step()
 
     def _evaluate_inputs(self) -> None:
-        if self.state is State.OPERATIONAL:
+        if self.state is GatewayState.OPERATIONAL:
             self.inputs.step()
         heartbeat = CanopenError.HEARTBEAT not in self.errors.word
-        self.inputs.usable = self.state is State.OPERATIONAL and heartbeat
+        self.inputs.usable = self.state is GatewayState.OPERATIONAL and heartbeat
 
     @property
     def causes(self) -> int:
@@ -131,7 +121,7 @@ class GovernorProgramme(Programme):
         self._served += 1
         for tpdo in self._tpdos:
             if self._served % tpdo.period == 0:
-                words = [count.of(read()) for read, count in self._words[tpdo.number]]
+                words = [scale.internal(read()) for read, scale in self._words[tpdo.number]]
                 self.can.send(TpdoData(tpdo.number, tuple(words)))
 
     def _reader(self, number: int) -> Callable[[], float]:
@@ -150,7 +140,7 @@ class GovernorProgramme(Programme):
                 self.handshake.judged(answer)
                 self._served = 0
             case RpdoData(number, words):
-                self.inputs.rpdos[number].receive(words)
+                self.inputs.rpdos[number].take(words)
             case ClearErrors():
                 self.clear()
 
@@ -160,7 +150,30 @@ class GovernorProgramme(Programme):
         self._met = True
         before = self.state
         self.handshake.heard(alive)
-        if before is not self.state and self.state is State.OPERATIONAL:
+        if before is not self.state and self.state is GatewayState.OPERATIONAL:
             self.inputs.begin()
             self.errors.clear(self.causes)
         self.errors.partner = alive.errors
+
+
+class Governor(ControlUnit[GovernorProgramme]):
+    """The control unit, with the engine."""
+
+    which, partner = Unit.GOVERNOR, Unit.GATEWAY
+    inner_faults = (errors.PICK_UP, errors.OVERSPEED, *errors.SENSORS, errors.INTERN)
+
+    def __init__(self, around: Surroundings) -> None:
+        super().__init__(around, microseconds(around.options.governor_cycle))
+        self.desk = Desk(self, around.tables.catalogue)
+        self.engine, self.operation = Engine(), Operation()
+        self._tables = around.tables
+
+    def start(self) -> GovernorProgramme:
+        """The programme, as it begins."""
+        return GovernorProgramme(self, self.engine, self.operation, self._tables)
+
+    def power_off(self) -> None:
+        """Lose what is not saved; actuator, starter and load fall off."""
+        if self.programme is not None:
+            self.programme.end()
+        super().power_off()

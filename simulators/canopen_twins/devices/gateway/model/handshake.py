@@ -1,22 +1,33 @@
-"""How the governor initialises its gateway: up to three attempts, then it gives up (3, 9.5)."""
+"""The governor initialises its gateway: the asking half and the answering half (3, 7.3, 9.5).
+
+    governor                           gateway
+    Command(Init, session)         ->  Init; what is of another session is ignored from now on
+                                   <-  InitReady
+    InitData ... InitEnd(count)    ->  makes the object dictionary of it, or refuses
+                                   <-  InitResult
+    Command(Pre-Operational)       ->  Pre-Operational, boot-up message
+                                   <-  GatewayAlive, which tells the state from then on
+
+Up to three attempts are made, then the governor gives up.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from enum import Enum
 
-from canopen_twins.devices.gateway.model.dictionary import Dictionary, built, refusal
-from canopen_twins.devices.gateway.model.state import COMMUNICATING, GovernorCommand, State
-from canopen_twins.devices.gateway.model.store import Store
-from canopen_twins.devices.gateway.model.telegrams import (
+from canopen_twins.devices.gateway.model.canopen_side import CanopenSide
+from canopen_twins.devices.gateway.model.configuration import InitPart, Refusal, built, refusal
+from canopen_twins.devices.gateway.model.errors import CanopenError, CanopenErrors
+from canopen_twins.devices.gateway.model.heinzmann_can import (
     Body,
     Command,
     GatewayAlive,
     InitData,
     InitEnd,
-    InitPart,
     InitReady,
     InitResult,
-    Refusal,
 )
+from canopen_twins.devices.gateway.model.parameters import Store
+from canopen_twins.devices.gateway.model.state import COMMUNICATING, GatewayState, GovernorCommand
 from canopen_twins.devices.gateway.model.timing import MILLISECOND, Time
 
 ATTEMPTS = 3  # 9.5
@@ -36,7 +47,7 @@ class Phase(Enum):
     FAILED = "three attempts have failed"
 
 
-class Event(Enum):
+class Progress(Enum):
     """What leads from phase to phase."""
 
     HEARD = "the gateway is heard"
@@ -50,22 +61,22 @@ class Event(Enum):
     LOST = "the link is lost"
 
 
-LOST: Mapping[Event, Phase] = {Event.LOST: Phase.WAIT}
-FAILURE: Mapping[Event, Phase] = {
+LOST: Mapping[Progress, Phase] = {Progress.LOST: Phase.WAIT}
+FAILURE: Mapping[Progress, Phase] = {
     **LOST,
-    Event.FAILED: Phase.PAUSE,
-    Event.GIVEN_UP: Phase.FAILED,
+    Progress.FAILED: Phase.PAUSE,
+    Progress.GIVEN_UP: Phase.FAILED,
 }
 
-# An event that a phase does not name changes nothing.
-NEXT: Mapping[Phase, Mapping[Event, Phase]] = {
-    Phase.WAIT: {Event.HEARD: Phase.PAUSE},
-    Phase.PAUSE: {**LOST, Event.START: Phase.READY},
-    Phase.READY: {**FAILURE, Event.READY: Phase.RESULT},
-    Phase.RESULT: {**FAILURE, Event.ACCEPTED: Phase.PREOP},
-    Phase.PREOP: {**FAILURE, Event.REACHED: Phase.RUN},
-    Phase.RUN: {**LOST, Event.AGAIN: Phase.PAUSE},
-    Phase.FAILED: {**LOST, Event.AGAIN: Phase.PAUSE},
+# What a phase does not name changes nothing.
+NEXT: Mapping[Phase, Mapping[Progress, Phase]] = {
+    Phase.WAIT: {Progress.HEARD: Phase.PAUSE},
+    Phase.PAUSE: {**LOST, Progress.START: Phase.READY},
+    Phase.READY: {**FAILURE, Progress.READY: Phase.RESULT},
+    Phase.RESULT: {**FAILURE, Progress.ACCEPTED: Phase.PREOP},
+    Phase.PREOP: {**FAILURE, Progress.REACHED: Phase.RUN},
+    Phase.RUN: {**LOST, Progress.AGAIN: Phase.PAUSE},
+    Phase.FAILED: {**LOST, Progress.AGAIN: Phase.PAUSE},
 }
 UNDERWAY = (Phase.READY, Phase.RESULT, Phase.PREOP)
 
@@ -76,7 +87,7 @@ class Handshake:
     def __init__(self, time: Time, send: Callable[[Body], None], parts: Sequence[InitPart]) -> None:
         self._time, self._send, self._parts = time, send, parts
         self.phase = Phase.WAIT
-        self.state = State.UNDEFINED
+        self.state = GatewayState.UNDEFINED
         """The governor's copy of the gateway's state."""
         self.fresh = True
         """No initialisation has succeeded since the reset."""
@@ -93,7 +104,7 @@ class Handshake:
         before, self.gateway = self.gateway, gateway
         was_reset = gateway.first or (before is not None and gateway.epoch < before.epoch)
         if was_reset:
-            self.state = State.UNDEFINED
+            self.state = GatewayState.UNDEFINED
         elif gateway.epoch == self._session:
             self.state = gateway.state
         left = self.phase is Phase.RUN and self.state not in COMMUNICATING
@@ -101,13 +112,13 @@ class Handshake:
             self._again()
         elif self.phase is Phase.PREOP and self.state in COMMUNICATING:
             self.fresh = False
-            self._handle(Event.REACHED)
-        self._handle(Event.HEARD)
+            self._handle(Progress.REACHED)
+        self._handle(Progress.HEARD)
 
     def ready(self, answer: InitReady) -> None:
         """The gateway waits for its configuration: send it."""
         if self.phase is Phase.READY and answer.session == self._session:
-            self._handle(Event.READY)
+            self._handle(Progress.READY)
             for part in self._parts:
                 self._send(InitData(self._session, part))
             self._send(InitEnd(self._session, len(self._parts)))
@@ -120,7 +131,7 @@ class Handshake:
         if answer.refusal is not None:
             self._fail()
             return
-        self._handle(Event.ACCEPTED)
+        self._handle(Progress.ACCEPTED)
         self._command(GovernorCommand.PRE_OPERATIONAL)
 
     def step(self) -> None:
@@ -144,60 +155,92 @@ class Handshake:
         self._command(GovernorCommand.UNDEFINED)
         self._session += 1  # A-38: what the gateway says of the session before is not believed
         self._attempts, self._deadline = 0, self._time.now
-        self.state, self.gateway = State.UNDEFINED, None
-        self._handle(Event.LOST)
+        self.state, self.gateway = GatewayState.UNDEFINED, None
+        self._handle(Progress.LOST)
 
     def _again(self) -> None:
-        if Event.AGAIN in NEXT[self.phase]:
+        if Progress.AGAIN in NEXT[self.phase]:
             self._attempts, self._deadline = 0, self._time.now
-            self._handle(Event.AGAIN)
+            self._handle(Progress.AGAIN)
 
     def _begin(self, gateway: GatewayAlive) -> None:
         self._attempts += 1
         self._session = max(self._session, gateway.epoch) + 1
-        self._handle(Event.START)
+        self._handle(Progress.START)
         self._command(GovernorCommand.INIT)
 
     def _fail(self) -> None:
         if self._attempts < ATTEMPTS:
-            self._handle(Event.FAILED)
+            self._handle(Progress.FAILED)
             self._deadline = self._time.now + PAUSE
         else:
-            self._handle(Event.GIVEN_UP)
+            self._handle(Progress.GIVEN_UP)
             self._command(GovernorCommand.UNDEFINED)
 
     def _command(self, command: GovernorCommand) -> None:
         self._send(Command(command, self._session, self.fresh))
 
-    def _handle(self, event: Event) -> None:
+    def _handle(self, progress: Progress) -> None:
         before = self.phase
-        self.phase = NEXT[before].get(event, before)
+        self.phase = NEXT[before].get(progress, before)
         if self.phase is not before and self.phase in UNDERWAY:
             self._deadline = self._time.now + STEP_TIME
 
 
 class Initialisation:
-    """What is of another session than the current one is ignored by whoever calls."""
+    """The gateway's side: obeys the governor; what is of another session than Init is ignored."""
 
-    def __init__(self, settings: Store) -> None:
-        self._settings = settings
+    def __init__(
+        self,
+        settings: Store,
+        canopen: CanopenSide,
+        errors: CanopenErrors,
+        send: Callable[[Body], None],
+    ) -> None:
+        self._settings, self._canopen, self._errors, self._send = settings, canopen, errors, send
         self._parts: list[InitPart] = []
         self.session = 0
         """Of the governor's last Init; 0 before the first."""
         self.fresh = True
         """No initialisation has succeeded since the reset."""
 
-    def begin(self, session: int) -> None:
-        """The governor has ordered Init."""
-        self.session, self._parts = session, []
+    def obey(self, command: Command, *, ready: bool) -> None:
+        """Enter what is ordered; ready: nothing is wrong here that forbids an initialisation."""
+        match command.command:
+            case GovernorCommand.INIT if ready:
+                self._begin(command)
+            case GovernorCommand.UNDEFINED:
+                self._canopen.handle(command.command)
+            case GovernorCommand.PRE_OPERATIONAL if self._accepted(command.session):
+                self.fresh = False
+                self._canopen.handle(command.command)
+                self._canopen.boot_up()
 
     def collect(self, data: InitData) -> None:
         """One piece of the configuration."""
-        self._parts.append(data.part)
+        if self._underway(data.session):
+            self._parts.append(data.part)
 
-    def judge(self, count: int) -> Dictionary | Refusal:
-        """The dictionary, or what is wrong with structure or content (7.3)."""
-        if count != len(self._parts):
-            return Refusal.STRUCTURE
+    def judge(self, end: InitEnd) -> None:
+        """Create the dictionary, or tell what is wrong with structure or content (7.3)."""
+        if not self._underway(end.session):
+            return
         dictionary = built(self._parts, self._settings)
-        return refusal(dictionary, self._settings) or dictionary
+        complete = end.pieces == len(self._parts)
+        wrong = refusal(dictionary, self._settings) if complete else Refusal.STRUCTURE
+        if wrong is None:
+            self._canopen.create(dictionary)
+        self._send(InitResult(self.session, wrong))
+
+    def _begin(self, command: Command) -> None:
+        if self.fresh and not command.fresh:
+            self._errors.own |= CanopenError.GW_RESET
+        self.session, self._parts = command.session, []
+        self._canopen.handle(command.command)
+        self._send(InitReady(command.session))
+
+    def _underway(self, session: int) -> bool:
+        return self._canopen.state is GatewayState.INIT and session == self.session
+
+    def _accepted(self, session: int) -> bool:
+        return self._underway(session) and self._canopen.outputs is not None

@@ -1,25 +1,180 @@
-"""HEINZMANN CAN interface of one unit: who is heard, what is missed, and what 2401 to 2405 say."""
+"""HEINZMANN CAN between the two units. It is not public: telegrams and times are ours (A-23, A-24).
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+A telegram goes from the interface of a running programme into one direction of the link, and into
+the interface at its end, if the node numbers match. What is wrong is at a plug, or in a direction.
+"""
 
-from canopen_twins.devices.gateway.model import errors
-from canopen_twins.devices.gateway.model.telegrams import Body, Telegram
-from canopen_twins.devices.gateway.model.timing import MILLISECOND
+from collections import deque
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
-if TYPE_CHECKING:
-    from canopen_twins.devices.gateway.model.unit import ControlUnit
+from canopen_twins.devices.gateway.model.configuration import InitPart, Refusal
+from canopen_twins.devices.gateway.model.errors import CAN_BUS_1, CAN_COMM_1, CanopenError, bit
+from canopen_twins.devices.gateway.model.parameters import Store, Unit
+from canopen_twins.devices.gateway.model.state import GatewayState, GovernorCommand
+from canopen_twins.devices.gateway.model.timing import MILLISECOND, NEVER, Time
 
 
-SHOWN = (2401, 2402, 2403, 2404, 2410, 2411)
-BUS_ERROR, COMMUNICATION_ERROR = errors.bit(errors.CAN_BUS_1), errors.bit(errors.CAN_COMM_1)
-SILENCE = 500 * MILLISECOND  # A-24: longer than a reset takes
+class GovernorAlive(NamedTuple):
+    """Every fourth main cycle."""
+
+    errors: CanopenError
+
+
+class Command(NamedTuple):
+    """An order to the state machine; `fresh` until the governor has initialised once."""
+
+    command: GovernorCommand
+    session: int
+    fresh: bool
+
+
+class InitData(NamedTuple):
+    """One piece of the configuration."""
+
+    session: int
+    part: InitPart
+
+
+class InitEnd(NamedTuple):
+    """How many pieces there were."""
+
+    session: int
+    pieces: int
+
+
+class Binary(NamedTuple):
+    """Errors and engine state of the governor, every main cycle."""
+
+    present: int
+    engine: int
+    errors: CanopenError
+
+
+class TpdoData(NamedTuple):
+    """The values of one analogue TPDO, internal, in the order of its slots."""
+
+    number: int
+    words: tuple[int, ...]
+
+
+class GatewayAlive(NamedTuple):
+    """Every fourth main cycle and whenever something in it has changed."""
+
+    state: GatewayState
+    epoch: int
+    """Session of the governor's last command; 0 after a reset."""
+    fresh: bool
+    """Not initialised since the last reset."""
+    ready: bool
+    """Whether an initialisation makes sense: nothing is wrong that forbids it."""
+    errors: CanopenError
+    first: bool = False
+    """Nothing was told since the last reset."""
+
+
+class InitReady(NamedTuple):
+    """The gateway waits for its configuration."""
+
+    session: int
+
+
+class InitResult(NamedTuple):
+    """The verdict on the configuration; no refusal is a yes."""
+
+    session: int
+    refusal: Refusal | None
+
+
+class RpdoData(NamedTuple):
+    """The words of an RPDO as received."""
+
+    number: int
+    words: tuple[int, ...]
+
+
+class ClearErrors(NamedTuple):
+    """Errors were cleared in the other unit (9.1)."""
+
+
+FromGovernor = GovernorAlive | Command | InitData | InitEnd | Binary | TpdoData | ClearErrors
+FromGateway = GatewayAlive | InitReady | InitResult | RpdoData | ClearErrors
+Body = FromGovernor | FromGateway
+
+
+class Telegram(NamedTuple):
+    """A body with the HEINZMANN CAN node numbers of sender and addressee."""
+
+    sender: int
+    addressee: int
+    body: Body
+
+
+@dataclass
+class Direction:
+    """Telegrams on their way to one unit; they never overtake each other."""
+
+    time: Time
+    delay: int = MILLISECOND
+    """Microseconds a telegram takes (A-24)."""
+    cut: bool = False
+    drop: int = 0
+    """How many of the next telegrams are lost."""
+    due: int = field(default=NEVER, init=False)
+    """When the next telegram arrives, us; NEVER if none is on its way."""
+    _underway: deque[tuple[int, Telegram]] = field(default_factory=deque, init=False)
+
+    def send(self, telegram: Telegram) -> None:
+        """Put a telegram on its way, or lose it."""
+        if self.cut:
+            return
+        if self.drop:
+            self.drop -= 1
+            return
+        due = self.time.now + self.delay
+        if self._underway:
+            due = max(due, self._underway[-1][0])
+        else:
+            self.due = due
+        self._underway.append((due, telegram))
+
+    def arrive(self) -> Telegram:
+        """Take the next telegram out."""
+        telegram = self._underway.popleft()[1]
+        self.due = self._underway[0][0] if self._underway else NEVER
+        return telegram
+
+
+class Link:
+    """Both directions, and whether the units that are connected understand each other."""
+
+    def __init__(self, time: Time) -> None:
+        self.time = time
+        self.to = {unit: Direction(time) for unit in Unit}
+        self.disturbed = False
+        """Whether the units talk at different bit rates, which is a bus error in both (7.2.1)."""
+        self._bit_rates: dict[Unit, int] = {}
+
+    def connect(self, unit: Unit, bit_rate: int) -> None:
+        """A unit runs, with so many kBit/s; one set by hand to its registers is left aside."""
+        self._bit_rates[unit] = bit_rate
+        self._compare()
+
+    def disconnect(self, unit: Unit) -> None:
+        """A unit does not run any more."""
+        self._bit_rates.pop(unit, None)
+        self._compare()
+
+    def _compare(self) -> None:
+        self.disturbed = len(set(self._bit_rates.values())) > 1
 
 
 @dataclass
 class Wiring:
-    """What can be wrong at the plug, whatever programme runs behind it."""
+    """The plug of one unit: what can be wrong there, whatever programme runs behind it."""
 
+    link: Link
+    out: Direction
     bus_fault: bool = False
     """The controller reports an error that initialising it again does not cure."""
     transmit_overflow: bool = False
@@ -28,30 +183,25 @@ class Wiring:
     """A second participant with the same type and number is connected."""
 
 
-@dataclass(frozen=True)
-class Numbers:
-    """Which parameters configure the interface: they differ between the units (7.1.1, 7.2.1)."""
-
-    partner: int
-    enable: int
+SHOWN = (2401, 2402, 2403, 2404, 2410, 2411)
+BUS_ERROR, COMMUNICATION_ERROR = bit(CAN_BUS_1), bit(CAN_COMM_1)
+SILENCE = 500 * MILLISECOND  # A-24: longer than a reset takes
 
 
 class HeinzmannCan:
-    """The interface as the running programme has configured it."""
+    """The interface of one unit as the running programme has configured it: who is heard or missed.
 
-    def __init__(self, unit: "ControlUnit[Any]", of: Numbers) -> None:
-        settings = unit.store
-        self.enabled = bool(settings[of.enable])
+    `partner` and `enable` are the numbers of parameters that differ between the units (7.1.1).
+    """
+
+    def __init__(self, wiring: Wiring, settings: Store, *, partner: int, enable: int) -> None:
+        self.enabled = bool(settings[enable])
         self.node = settings[401]
-        self.partner = settings[of.partner]
-        self._wiring, self._link, self._out, self._time = (
-            unit.wiring,
-            unit.link,
-            unit.out,
-            unit.time,
-        )
-        self._patience = unit.time.now + round(settings.effective(400) * 1_000_000)
-        self._last_heard = unit.time.now
+        self.partner = settings[partner]
+        self._wiring, self._link, self._out = wiring, wiring.link, wiring.out
+        self._time = wiring.link.time
+        self._patience = self._time.now + round(settings.effective(400) * 1_000_000)
+        self._last_heard = self._time.now
         self._heard = False
 
     @property

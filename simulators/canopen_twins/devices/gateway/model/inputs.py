@@ -1,37 +1,33 @@
 """CANopen sensors and switch functions in the governor, and their monitoring (9.6, 9.7)."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-
 from canopen_twins.devices.gateway.model import errors
-from canopen_twins.devices.gateway.model.configuration import Sensor, SwitchFunction
+from canopen_twins.devices.gateway.model.configuration import (
+    SENSORS,
+    Sensor,
+    monitoring,
+    sensors,
+    switch_functions,
+)
+from canopen_twins.devices.gateway.model.parameters import Store
+from canopen_twins.devices.gateway.model.timing import Watch
 
 SWITCHES, FLAGS = 1, 3  # words of RPDO1 (4.2.1)
 
 
-@dataclass
-class Rpdo:
-    """What the governor knows of one RPDO in this Operational period."""
+class Rpdo(Watch):
+    """What the governor knows of one RPDO in this Operational period (A-37)."""
 
-    limit: int = 0
-    """Main cycles after which it is missed; 0 if it is not monitored or not active (A-37)."""
     words: tuple[int, ...] = ()
-    arrived: bool = False
-    tripped: bool = False
-    _age: int = 0
 
     def begin(self) -> None:
         """Operational was entered: nothing counts that came before."""
-        self.words, self.arrived, self.tripped, self._age = (), False, False, 0
+        super().begin()
+        self.words = ()
 
-    def receive(self, words: tuple[int, ...]) -> None:
-        """A telegram came; a trip is over."""
-        self.words, self.arrived, self.tripped, self._age = words, True, False, 0
-
-    def step(self) -> None:
-        """One main cycle in Operational without a telegram."""
-        self._age += 1
-        self.tripped = self.tripped or 0 < self.limit < self._age
+    def take(self, words: tuple[int, ...]) -> None:
+        """A telegram came."""
+        self.words = words
+        self.receive()
 
     def word(self, number: int) -> int:
         """Word 1..4 of the last telegram; 0 if it had none."""
@@ -41,17 +37,14 @@ class Rpdo:
 class Inputs:
     """Values of sensors and switch functions; those of a faulty one do not count."""
 
-    def __init__(
-        self,
-        sensors: Sequence[Sensor],
-        functions: Sequence[SwitchFunction],
-        limits: Sequence[int],
-    ) -> None:
-        self.sensors = {sensor.number: sensor for sensor in sensors}
+    def __init__(self, settings: Store, cycle: int) -> None:
+        self.sensors = {sensor.number: sensor for sensor in sensors(settings)}
         self._errors = [
-            (each, errors.bit(errors.FIRST_SENSOR + each.number - 900)) for each in sensors
+            (sensor, errors.bit(errors.FIRST_SENSOR + number - SENSORS.start))
+            for number, sensor in self.sensors.items()
         ]
-        self.functions = {function.number: function for function in functions}
+        self.functions = {each.number: each for each in switch_functions(settings)}
+        limits = monitoring(settings, cycle)
         self.rpdos = {number: Rpdo(limit) for number, limit in enumerate(limits, start=1)}
         self.usable = False
         """Operational, and the partner's heartbeat is not missed."""

@@ -1,10 +1,13 @@
-"""Parameters of DcDesk: what they are called, what they may be, and which unit has them."""
+"""Parameters of DcDesk: which unit has them, what they may be, their values, their 16 bits."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from copy import copy
 from dataclasses import dataclass
 from difflib import get_close_matches
 from enum import Enum
 from math import isfinite
+from typing import NamedTuple
 
 
 class Unit(Enum):
@@ -12,15 +15,6 @@ class Unit(Enum):
 
     GATEWAY = "gateway"
     GOVERNOR = "governor"
-
-
-class Kind(Enum):
-    """The four lists of chapter 11, told by the number."""
-
-    PARAMETER = 0
-    MEASUREMENT = 1
-    FUNCTION = 2
-    CURVE = 3
 
 
 # 7.1.1: the example calls by these numbers what the text calls 416 and 4416 (A-04)
@@ -49,14 +43,9 @@ class Parameter:
     """Chapter of the manual, or number of the assumption."""
 
     @property
-    def kind(self) -> Kind:
-        """Which list of chapter 11 it belongs to; CANopen has numbers of its own from 10000."""
-        return Kind(self.number % 10_000 // 2000)
-
-    @property
     def writable(self) -> bool:
-        """Measurements are shown only."""
-        return self.kind is not Kind.MEASUREMENT
+        """Measurements are only shown: 2000 to 3999, and for CANopen 12000 to 13999 (11)."""
+        return self.number % 10_000 // 2000 != 1
 
     @property
     def analogue(self) -> bool:
@@ -144,7 +133,7 @@ def catalogue(rows: Iterable[Mapping[str, str]]) -> Catalogue:
 
 
 def _parameter(line: int, row: Mapping[str, str]) -> Parameter:
-    try:
+    with _row(line):
         low, high, choices = _range(row["range"])
         parameter = Parameter(
             control_unit=Unit(row["control_unit"]),
@@ -160,11 +149,18 @@ def _parameter(line: int, row: Mapping[str, str]) -> Parameter:
             source=row["source"],
         )
         parameter.checked(parameter.default)
+    return parameter
+
+
+@contextmanager
+def _row(line: int) -> Iterator[None]:
+    """What is wrong with a row is told with its line."""
+    try:
+        yield
     except KeyError as column:
         raise ValueError(f"line {line}: there is no column {column}") from None
     except (ValueError, ZeroDivisionError) as reason:
         raise ValueError(f"line {line}: {reason}") from None
-    return parameter
 
 
 def _range(text: str) -> tuple[float, float, tuple[float, ...]]:
@@ -177,3 +173,114 @@ def _range(text: str) -> tuple[float, float, tuple[float, ...]]:
 
 def _number(text: str) -> float:
     return float(text) if "." in text else int(text, 0)
+
+
+class Store:
+    """A changed value acts after it was saved and the unit was reset; otherwise it is lost (7)."""
+
+    def __init__(self, parameters: Mapping[int, Parameter]) -> None:
+        self._defaults = {n: each.default for n, each in parameters.items() if each.writable}
+        self._edited: dict[int, float] = {}
+        self._effective = dict(self._defaults)
+        self.saved: dict[int, float] = {}
+        """What is kept without power, where it differs from the default."""
+
+    def edit(self, number: int, value: float) -> None:
+        """Change a value in the working memory."""
+        self._edited[number] = value
+
+    def shown(self, number: int) -> float:
+        """The value DcDesk shows: the edited one."""
+        return self._edited.get(number, self.saved.get(number, self._defaults[number]))
+
+    def save(self) -> None:
+        """Keep what was edited."""
+        values = self.saved | self._edited
+        self.saved = {n: values[n] for n in sorted(values) if values[n] != self._defaults[n]}
+
+    def load(self, *, damaged: bool = False) -> None:
+        """Begin with what was saved; with the defaults if that is damaged (3099 bit 5)."""
+        self._edited = {}
+        self._effective = self._defaults if damaged else self._defaults | self.saved
+
+    @property
+    def after_reset(self) -> "Store":
+        """As the next start finds it, if nothing is damaged."""
+        store = copy(self)
+        store.load()
+        return store
+
+    def __getitem__(self, number: int) -> int:
+        """The value in force of a parameter without decimals."""
+        return int(self._effective[number])
+
+    def effective(self, number: int) -> float:
+        """The value in force, in the unit of its parameter."""
+        return self._effective[number]
+
+
+class Scale(NamedTuple):
+    """So many counts for the full scale, in the unit of the parameter, within the 16 bits."""
+
+    full_scale: float
+    counts: int
+    signed: bool
+
+    def internal(self, value: float) -> int:
+        """The 16 bits a value is sent as, 0..FFFFh; what does not fit is cut off."""
+        internal, low = round(value / self.full_scale * self.counts), -0x8000 if self.signed else 0
+        return min(max(low, internal), low + 0xFFFF) & 0xFFFF
+
+    def external(self, internal: int) -> float:
+        """The value that the 16 unsigned bits of a CANopen sensor stand for."""
+        return internal / self.counts * self.full_scale
+
+
+class Scaling:
+    """Internal values of the governor: what a measurement is in 16 bits (7.1.2.2, A-18).
+
+    A parameter without a scale of its own is counted in steps of its resolution.
+    """
+
+    def __init__(self, catalogue: Catalogue, scales: Mapping[int, Scale]) -> None:
+        self._parameters = catalogue.of(Unit.GOVERNOR)
+        self._scales = scales
+
+    def analogue(self, number: int) -> bool:
+        """Whether a parameter with this number can be sent in an analogue TPDO (4.1.2)."""
+        return number in self._parameters and self._parameters[number].analogue
+
+    def of(self, number: int) -> Scale:
+        """How the parameter with this number is counted."""
+        parameter = self._parameters[number]
+        return self._scales.get(number) or Scale(parameter.resolution, 1, parameter.signed)
+
+
+def scaling(catalogue: Catalogue, rows: Iterable[Mapping[str, str]]) -> Scaling:
+    """The scaling of a table, one measurement a row.
+
+    Columns: number, full_scale, unit (for the reader), counts.
+
+    Raises:
+        ValueError: a row that cannot be read, or that no 16 bits can follow.
+    """
+    scales: dict[int, Scale] = {}
+    for line, row in enumerate(rows, start=2):
+        with _row(line):
+            number = int(row["number"])
+            if number in scales:
+                raise ValueError(f"{number} is there twice")
+            scales[number] = _scale(catalogue.find(Unit.GOVERNOR, number), row)
+    return Scaling(catalogue, scales)
+
+
+def _scale(parameter: Parameter, row: Mapping[str, str]) -> Scale:
+    scale = Scale(float(row["full_scale"]), int(row["counts"]), parameter.signed)
+    if not parameter.analogue:
+        raise ValueError(f"{parameter.title}: a single bit has no scale")
+    if not scale.full_scale > 0:
+        raise ValueError(f"{parameter.title}: full scale {scale.full_scale:g} is not above 0")
+    high = 0x7FFF if parameter.signed else 0xFFFF
+    if not 0 < scale.counts <= high:
+        raise ValueError(f"{parameter.title}: {scale.counts} counts are not in 1..{high}")
+    return scale

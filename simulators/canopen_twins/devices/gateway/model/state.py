@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from enum import Enum
 
 
-class State(Enum):
+class GatewayState(Enum):
     """The states of chapter 3."""
 
     UNDEFINED = "Undefined"
@@ -42,66 +42,53 @@ class Trouble(Enum):
 
 Trigger = GovernorCommand | MasterCommand | Trouble
 
-ALWAYS: Mapping[Trigger, State] = {
-    GovernorCommand.UNDEFINED: State.UNDEFINED,
-    GovernorCommand.INIT: State.INIT,
-    Trouble.ABORT: State.UNDEFINED,
+ALWAYS: Mapping[Trigger, GatewayState] = {
+    GovernorCommand.UNDEFINED: GatewayState.UNDEFINED,
+    GovernorCommand.INIT: GatewayState.INIT,
+    Trouble.ABORT: GatewayState.UNDEFINED,
 }
-RESETS: Mapping[Trigger, State] = {  # A-08: both the same
-    MasterCommand.RESET_NODE: State.INIT,
-    MasterCommand.RESET_COMMUNICATION: State.INIT,
+RESETTABLE: Mapping[Trigger, GatewayState] = {
+    **ALWAYS,
+    MasterCommand.RESET_NODE: GatewayState.INIT,  # A-08: both the same
+    MasterCommand.RESET_COMMUNICATION: GatewayState.INIT,
 }
 
 # A trigger that a state does not name changes nothing.
-NEXT: Mapping[State, Mapping[Trigger, State]] = {
-    State.UNDEFINED: ALWAYS,
-    State.INIT: {**ALWAYS, GovernorCommand.PRE_OPERATIONAL: State.PRE_OPERATIONAL},
-    State.PRE_OPERATIONAL: {
-        **ALWAYS,
-        **RESETS,
-        MasterCommand.OPERATIONAL: State.OPERATIONAL,
-        MasterCommand.STOP: State.STOPPED,
-        Trouble.SDO_OVERFLOW: State.STOPPED,
+NEXT: Mapping[GatewayState, Mapping[Trigger, GatewayState]] = {
+    GatewayState.UNDEFINED: ALWAYS,
+    GatewayState.INIT: {**ALWAYS, GovernorCommand.PRE_OPERATIONAL: GatewayState.PRE_OPERATIONAL},
+    GatewayState.PRE_OPERATIONAL: {
+        **RESETTABLE,
+        MasterCommand.OPERATIONAL: GatewayState.OPERATIONAL,
+        MasterCommand.STOP: GatewayState.STOPPED,
+        Trouble.SDO_OVERFLOW: GatewayState.STOPPED,
     },
-    State.OPERATIONAL: {
-        **ALWAYS,
-        **RESETS,
-        MasterCommand.PRE_OPERATIONAL: State.PRE_OPERATIONAL,
-        MasterCommand.STOP: State.STOPPED,
-        Trouble.CANOPEN_BUS: State.PRE_OPERATIONAL,
-        Trouble.SDO_OVERFLOW: State.STOPPED,
+    GatewayState.OPERATIONAL: {
+        **RESETTABLE,
+        MasterCommand.PRE_OPERATIONAL: GatewayState.PRE_OPERATIONAL,
+        MasterCommand.STOP: GatewayState.STOPPED,
+        Trouble.CANOPEN_BUS: GatewayState.PRE_OPERATIONAL,
+        Trouble.SDO_OVERFLOW: GatewayState.STOPPED,
     },
-    State.STOPPED: {
-        **ALWAYS,
-        **RESETS,
-        MasterCommand.PRE_OPERATIONAL: State.PRE_OPERATIONAL,
-        MasterCommand.OPERATIONAL: State.OPERATIONAL,
-        Trouble.CANOPEN_BUS: State.PRE_OPERATIONAL,
+    GatewayState.STOPPED: {
+        **RESETTABLE,
+        MasterCommand.PRE_OPERATIONAL: GatewayState.PRE_OPERATIONAL,
+        MasterCommand.OPERATIONAL: GatewayState.OPERATIONAL,
+        Trouble.CANOPEN_BUS: GatewayState.PRE_OPERATIONAL,
     },
 }
 
 
-class Machine:
-    """The state machine itself."""
-
-    def __init__(self) -> None:
-        self.state = State.UNDEFINED
-
-    def handle(self, trigger: Trigger) -> None:
-        """Go where the trigger leads from here."""
-        self.state = NEXT[self.state].get(trigger, self.state)
-
-
-STATE_PARAMETERS: Mapping[int, State] = {
-    12401: State.STOPPED,
-    12402: State.INIT,
-    12403: State.PRE_OPERATIONAL,
-    12404: State.OPERATIONAL,
+STATE_PARAMETERS: Mapping[int, GatewayState] = {
+    12401: GatewayState.STOPPED,
+    12402: GatewayState.INIT,
+    12403: GatewayState.PRE_OPERATIONAL,
+    12404: GatewayState.OPERATIONAL,
 }
 
-COMMUNICATING = (State.PRE_OPERATIONAL, State.OPERATIONAL, State.STOPPED)
+COMMUNICATING = (GatewayState.PRE_OPERATIONAL, GatewayState.OPERATIONAL, GatewayState.STOPPED)
 
 
-def state_word(state: State) -> int:
+def state_word(state: GatewayState) -> int:
     """Parameter 12400: bit k stands for 12401+k, nothing for Undefined (A-25)."""
     return sum((state is each) << (number - 12401) for number, each in STATE_PARAMETERS.items())

@@ -1,4 +1,4 @@
-"""What a control unit keeps without power, as values for a file (9.2)."""
+"""The whole of it: both units and the link between them, as CANopen and the surroundings see it."""
 
 from collections.abc import Mapping
 from enum import Enum
@@ -6,48 +6,14 @@ from math import inf
 from typing import Any
 
 from canopen_twins.devices.gateway.model import errors
-from canopen_twins.devices.gateway.model.canopen_errors import error_register
-from canopen_twins.devices.gateway.model.canopen_side import Message
-from canopen_twins.devices.gateway.model.configuration import init_parts
-from canopen_twins.devices.gateway.model.dictionary import Dictionary, built
-from canopen_twins.devices.gateway.model.errors import COUNTERS, MOST
-from canopen_twins.devices.gateway.model.machines import Gateway, Governor, Tables
-from canopen_twins.devices.gateway.model.options import Options
+from canopen_twins.devices.gateway.model.canopen_side import Sent
+from canopen_twins.devices.gateway.model.configuration import Dictionary, built, init_parts
+from canopen_twins.devices.gateway.model.gateway import Gateway
+from canopen_twins.devices.gateway.model.governor import Governor
 from canopen_twins.devices.gateway.model.parameters import Unit
-from canopen_twins.devices.gateway.model.state import MasterCommand, State, Trouble
+from canopen_twins.devices.gateway.model.state import GatewayState, MasterCommand, Trouble
 from canopen_twins.devices.gateway.model.timing import NEVER, microseconds
-from canopen_twins.devices.gateway.model.unit import Surroundings
-
-LAST_IDENTIFIER = 3851
-
-
-def kept(unit: Governor | Gateway) -> dict[str, Any]:
-    """Saved parameters, counters of the permanent error memory, exception, last identification."""
-    counts = unit.memory.counts
-    return {
-        "parameters": {str(number): value for number, value in unit.store.saved.items()},
-        "errors": {str(number + COUNTERS): counts[number] for number in sorted(counts)},
-        "exception": list(unit.exception),
-        "last identifier": unit.shown[LAST_IDENTIFIER],
-    }
-
-
-def restore(unit: Governor | Gateway, values: Mapping[str, Any]) -> None:
-    """Begin with what was kept; what is not given stays as it is.
-
-    Raises:
-        ValueError: something in it is not what this unit keeps.
-    """
-    try:
-        parameters = {int(number): each for number, each in values.get("parameters", {}).items()}
-        unit.desk.deliver(unit.desk.checked(parameters))
-        for number, count in values.get("errors", {}).items():
-            unit.memory.counts[int(number) - COUNTERS] = min(max(0, int(count)), MOST)
-        first, second, third, fourth = values.get("exception", unit.exception)
-        unit.exception = (int(first), int(second), int(third), int(fourth))
-        unit.desk.show(LAST_IDENTIFIER, values.get("last identifier", 0))
-    except (AttributeError, TypeError) as reason:
-        raise ValueError(f"{unit.which.value}: not what was kept: {reason}") from None
+from canopen_twins.devices.gateway.model.unit import Options, Surroundings, Tables
 
 
 class Buffer(Enum):
@@ -70,11 +36,9 @@ class System:
     """Both machines and the link; commands act at once, `step` lets time pass, `outbox` is news."""
 
     def __init__(self, tables: Tables, options: Options | None = None) -> None:
-        options = options or Options()
-        around = Surroundings(tables.catalogue)
+        around = Surroundings(tables, options or Options())
         self.link = around.link
-        self.governor = Governor(around, tables, options)
-        self.gateway = Gateway(around, tables, options)
+        self.governor, self.gateway = Governor(around), Gateway(around)
         self._time, self._scaling = around.time, tables.scaling
         self._units: tuple[Governor | Gateway, ...] = (self.governor, self.gateway)
         self._to_gateway = self.link.to[Unit.GATEWAY]
@@ -98,7 +62,7 @@ class System:
     @property
     def kept(self) -> dict[str, Any]:
         """What both units keep without power, as values for a file."""
-        return {each.which.value: kept(each) for each in self._units}
+        return {each.which.value: each.desk.kept for each in self._units}
 
     def restore(self, values: Mapping[str, Any]) -> None:
         """Begin with what was kept; acts at the next reset.
@@ -107,7 +71,7 @@ class System:
             ValueError: something in it is not what was kept.
         """
         for unit in self._units:
-            restore(unit, values.get(unit.which.value, {}))
+            unit.desk.restore(values.get(unit.which.value, {}))
 
     def power_on(self) -> None:
         """Switch both units on."""
@@ -156,10 +120,10 @@ class System:
                 unit.act()
 
     @property
-    def state(self) -> State:
+    def state(self) -> GatewayState:
         """The CANopen state machine; Undefined as long as the gateway's programme does not run."""
         running = self.gateway.programme
-        return State.UNDEFINED if running is None else running.state
+        return GatewayState.UNDEFINED if running is None else running.state
 
     @property
     def listening(self) -> bool:
@@ -168,7 +132,7 @@ class System:
         return running is not None and running.canopen.listening
 
     @property
-    def outbox(self) -> list[Message]:
+    def outbox(self) -> list[Sent]:
         """What the gateway has sent, oldest first; cleared by whoever puts it on the bus."""
         return self.gateway.plug.outbox
 
@@ -201,7 +165,7 @@ class System:
         running = self.gateway.programme
         if running is None:
             return 0
-        return error_register(self.gateway.memory.present, running.errors.word)
+        return errors.error_register(self.gateway.memory.present, running.errors.word)
 
     def command(self, command: MasterCommand) -> None:
         """An NMT command of the master that concerns the gateway."""

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 GRID = 125  # us: 15.625 ms and 16 ms have no greater divisor
 MILLISECOND = 1000  # us
+GATEWAY_CYCLE = 16 * MILLISECOND  # us, main cycle (7.2.3)
 NEVER = 1 << 62  # us: when something is due that is not to come
-MOST_CYCLES = 255  # 4.1.2, of the governor
-MOST_HEARTBEAT_CYCLES = 4095  # 7.2.3
+MOST_CYCLES, MOST_HEARTBEAT_CYCLES = 255, 4095  # of the governor (4.1.2), the gateway (7.2.3)
 
 
 @dataclass
@@ -14,6 +14,32 @@ class Time:
     """The moment, in microseconds, that every part of one system shares."""
 
     now: int = 0
+
+
+@dataclass
+class Watch:
+    """Misses what should come again and again: an RPDO, the heartbeat of a partner."""
+
+    limit: int
+    """Main cycles without it after which it is missed; 0: it is not watched."""
+    arrived: bool = False
+    """Whether it has come since Operational was entered."""
+    tripped: bool = False
+    """Whether it is missed; over as soon as it comes."""
+    _age: int = 0
+
+    def begin(self) -> None:
+        """Operational was entered: nothing counts that came before."""
+        self.arrived, self.tripped, self._age = False, False, 0
+
+    def receive(self) -> None:
+        """It has come."""
+        self.arrived, self.tripped, self._age = True, False, 0
+
+    def step(self) -> None:
+        """One main cycle without it."""
+        self._age += 1
+        self.tripped = self.tripped or 0 < self.limit < self._age
 
 
 def microseconds(seconds: float) -> int:
@@ -36,3 +62,8 @@ def cycles(milliseconds: int, cycle: int, most: int) -> int:
     if milliseconds == 0:
         return 0
     return min(max(1, milliseconds * MILLISECOND // cycle), most)
+
+
+def heartbeat_cycles(milliseconds: int) -> int:
+    """How many main cycles of the gateway a period or a limit comes to (7.2.3)."""
+    return cycles(milliseconds, GATEWAY_CYCLE, MOST_HEARTBEAT_CYCLES)

@@ -1,27 +1,156 @@
-"""One control unit: power, bootloader, memory, CAN plug, and the programme that runs in it."""
+"""A control unit: what it runs off and on, from its supply to the programme that runs in it (9).
+
+What a reset takes away is in the programme, which then is another one; what power off leaves is in
+the unit. Both units are one of these; `governor` and `gateway` say what is their own.
+"""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 from canopen_twins.devices.gateway.model import errors
 from canopen_twins.devices.gateway.model.bootloader import Bootloader, Eeprom
-from canopen_twins.devices.gateway.model.errors import ErrorMemory
-from canopen_twins.devices.gateway.model.heinzmann_can import Wiring
-from canopen_twins.devices.gateway.model.link import Link
-from canopen_twins.devices.gateway.model.options import Options
-from canopen_twins.devices.gateway.model.parameters import Catalogue, Parameter, Unit
-from canopen_twins.devices.gateway.model.programme import Programme
-from canopen_twins.devices.gateway.model.store import Store
-from canopen_twins.devices.gateway.model.telegrams import Telegram
+from canopen_twins.devices.gateway.model.canopen_side import FirstTpdo
+from canopen_twins.devices.gateway.model.errors import CANOPEN_ERRORS, CanopenError, CanopenErrors
+from canopen_twins.devices.gateway.model.heinzmann_can import (
+    ClearErrors,
+    HeinzmannCan,
+    Link,
+    Telegram,
+    Wiring,
+)
+from canopen_twins.devices.gateway.model.parameters import Catalogue, Scaling, Store, Unit
+from canopen_twins.devices.gateway.model.state import STATE_PARAMETERS, GatewayState, state_word
 from canopen_twins.devices.gateway.model.timing import NEVER, Time, microseconds
-
-P = TypeVar("P", bound=Programme)
 
 POWER_SUPPLY = 3600
 VOLTAGE_ERROR = errors.bit(errors.VOLTAGE)
+ALIVE_CYCLES = 4  # A-24
+LINK_ERRORS = errors.bits((errors.CAN_BUS_1, errors.CAN_COMM_1))
+
+
+@dataclass(frozen=True)
+class Tables:
+    """What the manuals say in tables, and what is assumed in their place."""
+
+    catalogue: Catalogue
+    scaling: Scaling
+    assignment: errors.Assignment
+
+
+@dataclass(frozen=True)
+class Options:
+    """What no manual prints and a user may want otherwise; seconds are multiples of 125 us."""
+
+    governor_cycle: float = 0.015625
+    """Main cycle of the governor; the manual's formulas hold for this one (7.1.3, A-43)."""
+    boot_time: float = 0.2
+    """Bootloader tests and start of the programme, in both units (9.3)."""
+    lowest_voltage: float = 7.5
+    """Supply below which 3085 is reported, V (9.4, A-42)."""
+    first_tpdo: FirstTpdo = FirstTpdo.ALWAYS
+    """Whether TPDO1 to 3 are sent on entering Operational (A-15)."""
+    always_armed: bool = False
+    """Whether the partner is missed in Operational even before its first heartbeat (A-19)."""
+
+
+@dataclass
+class Surroundings:
+    """What both units share."""
+
+    tables: Tables
+    options: Options
+    time: Time = field(default_factory=Time)
+    link: Link = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.link = Link(self.time)
+
+
+class Programme(ABC):
+    """Runs in a control unit from the end of the bootloader to the next reset, then is gone."""
+
+    def __init__(
+        self, unit: "ControlUnit[Any]", can: HeinzmannCan, reasons: Mapping[int, CanopenError]
+    ) -> None:
+        self.unit = unit
+        self.settings, self.time, self.can = unit.store, unit.time, can
+        self.started = unit.time.now
+        self.errors = CanopenErrors(reasons)
+        self.live: dict[int, Callable[[], float]] = self._common()
+        """The measurements this programme makes, by number."""
+        self._pulses = 0  # errors that were there for a moment
+        self._cycles = 0
+
+    @property
+    @abstractmethod
+    def state(self) -> GatewayState:
+        """The CANopen state machine, or the governor's copy of it."""
+
+    @abstractmethod
+    def tick(self) -> None:
+        """One main cycle."""
+
+    @abstractmethod
+    def handle(self, telegram: Telegram) -> None:
+        """Act on a telegram of the partner."""
+
+    def receive(self, telegram: Telegram) -> None:
+        """Take a telegram from the link."""
+        if self.can.accepts(telegram):
+            self.can.hear()
+            self.handle(telegram)
+
+    def clear_errors(self) -> None:
+        """Clear all errors here and, over the link, in the partner (9.1)."""
+        self.clear()
+        self.can.send(ClearErrors())
+
+    def clear(self) -> None:
+        """Clear all errors here; a cause that is still there is reported in the next cycle."""
+        self._pulses = 0
+        self.unit.memory.clear()
+        self.errors.clear(self.causes)
+
+    @property
+    def causes(self) -> int:
+        """What is wrong at this moment, 3074 left aside; bit k is error 3000+k."""
+        return self.unit.causes | self.can.causes | self._pulses
+
+    @property
+    def link_failed(self) -> bool:
+        """Whether 3070 or 3071 is there: nothing but the interface causes them."""
+        return self.can.failed or bool(self._pulses & LINK_ERRORS)
+
+    def evaluate(self) -> None:
+        """Report what is wrong, and count what was not there before."""
+        causes = self.causes
+        self.errors.latch(causes)
+        if self.errors.word:
+            causes |= errors.bit(errors.CAN_OPEN)
+        self.unit.memory.update(causes)
+
+    @property
+    def alive_due(self) -> bool:
+        """Whether this is one of the cycles in which the partner is told that we are alive."""
+        return self._cycles % ALIVE_CYCLES == 0
+
+    def _common(self) -> dict[int, Callable[[], float]]:
+        return {
+            3870: lambda: (self.time.now - self.started) // 1000 % 65536,  # A-26
+            12400: lambda: state_word(self.state),
+            12410: lambda: int(self.errors.word),
+            **{number: self._shows_state(each) for number, each in STATE_PARAMETERS.items()},
+            **{number: self._shows_error(each) for number, each in CANOPEN_ERRORS.items()},
+        }
+
+    def _shows_state(self, state: GatewayState) -> Callable[[], float]:
+        return lambda: int(self.state is state)
+
+    def _shows_error(self, error: CanopenError) -> Callable[[], float]:
+        return lambda: int(error in self.errors.word)
 
 
 class Life(Enum):
@@ -33,41 +162,31 @@ class Life(Enum):
     RUNNING = "running"
 
 
-@dataclass
-class Surroundings:
-    """What both units share."""
-
-    catalogue: Catalogue
-    time: Time = field(default_factory=Time)
-    link: Link = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.link = Link(self.time)
+P = TypeVar("P", bound=Programme)
 
 
 class ControlUnit(ABC, Generic[P]):
-    """The hardware; what a reset takes away is in the programme, which then is another one."""
+    """The hardware, and the life of its programme."""
 
-    which: Unit
-    partner: Unit
-    inner_faults: tuple[int, ...]
+    which: ClassVar[Unit]
+    partner: ClassVar[Unit]
+    inner_faults: ClassVar[tuple[int, ...]]
     """Errors `fail` can cause; the others have causes of their own."""
 
-    def __init__(self, around: Surroundings, cycle: int, options: Options) -> None:
+    def __init__(self, around: Surroundings, cycle: int) -> None:
         self.time, self.link = around.time, around.link
-        self.out = self.link.to[self.partner]
         self.cycle = cycle
         """Main cycle, us."""
-        self.boot_time = microseconds(options.boot_time)
+        self.boot_time = microseconds(around.options.boot_time)
         """Bootloader tests and start of the programme, us (9.3)."""
-        self.parameters: Mapping[int, Parameter] = around.catalogue.of(self.which)
+        self.parameters = around.tables.catalogue.of(self.which)
         self.store = Store(self.parameters)
-        self.memory = ErrorMemory()
+        self.memory = errors.ErrorMemory()
         self.exception = (0, 0, 0, 0)
         """3195 to 3198 of the permanent memory: number, address low and high, flags."""
         self.bootloader = Bootloader()
-        self.wiring = Wiring()
-        self._lowest_voltage = options.lowest_voltage
+        self.wiring = Wiring(self.link, self.link.to[self.partner])
+        self._lowest_voltage = around.options.lowest_voltage
         self.shown = {n: each.default for n, each in self.parameters.items() if not each.writable}
         """Measurements nothing in the model makes, 3600 PowerSupply among them."""
         self.life = Life.OFF

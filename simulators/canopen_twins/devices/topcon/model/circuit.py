@@ -1,4 +1,4 @@
-"""The voltage at the output node: one implicit Euler step, solved in closed form.
+"""The voltage at the output: ramped set values, and one implicit Euler step in closed form.
 
     storage * (u - u_before) + u * bleeder + load(u) = converter(u)
 
@@ -10,8 +10,44 @@ from math import sqrt
 from typing import NamedTuple
 
 from canopen_twins.devices.topcon.model.loads import Line, Load, Open
-from canopen_twins.devices.topcon.model.modes import Mode
+from canopen_twins.devices.topcon.model.states import Mode
 from canopen_twins.devices.topcon.model.unit import UnitType
+
+SLOPE_1 = 1.6  # s from zero to full scale at slope 1, by Regatron's DLL header
+AGES = 1e9  # s: one implicit step of this length ends in the steady state
+STILL = 1e-9  # of full scale per step: slow enough to ask where it will end
+ARRIVED = 1e-6  # of full scale: 0.004 parts, nobody can see the rest of the way
+
+
+class Ramps:
+    """Ramped set values in V and A. Power and resistance act at once, without a ramp."""
+
+    def __init__(self, unit: UnitType) -> None:
+        self._unit = unit
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget the set values reached; the start slope holds until both are reached again."""
+        self.voltage = self.current = 0.0
+        self._slope = self._unit.start_slope
+
+    def reached(self, voltage: float, current: float) -> bool:
+        """Whether nothing is left to ramp, once these are the set values."""
+        return self.voltage == voltage and self.current == current
+
+    def step(self, dt: float, voltage: float, current: float) -> None:
+        """Approach the set values for `dt` seconds."""
+        part = dt * self._slope / SLOPE_1
+        self.voltage = _toward(voltage, self.voltage, part * self._unit.nominal_voltage)
+        self.current = _toward(current, self.current, part * self._unit.maximum_current)
+        if self.reached(voltage, current):
+            self._slope = self._unit.run_slope
+
+
+def _toward(target: float, value: float, reach: float) -> float:
+    if target > value:
+        return min(target, value + reach)
+    return max(target, value - reach)
 
 
 class Law(NamedTuple):
@@ -76,11 +112,6 @@ def _by_power(power: float, voltage: float, slope: float, load: float) -> float:
     if middle > 0.0:
         return voltage + 2.0 * (power - voltage * load) / (middle + root)
     return voltage + (root - middle) / (2.0 * slope)
-
-
-AGES = 1e9  # s: one implicit step of this length ends in the steady state
-STILL = 1e-9  # of full scale per step: slow enough to ask where it will end
-ARRIVED = 1e-6  # of full scale: 0.004 parts, nobody can see the rest of the way
 
 
 class Circuit:

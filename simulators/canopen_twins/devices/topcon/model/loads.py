@@ -1,18 +1,10 @@
-"""What somebody may have meant who wrote an unknown word."""
+"""What can be connected to the output, each as a line of current over voltage, and its text."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
 from dataclasses import MISSING, Field, dataclass, field, fields
 from difflib import get_close_matches
 from math import isfinite
 from typing import Any, ClassVar
-
-
-def did_you_mean(word: object, words: Iterable[str]) -> str:
-    """The tail of an error message; empty when no word is near."""
-    near = get_close_matches(str(word), list(words), n=1)
-    return f", did you mean {near[0]!r}?" if near else ""
-
 
 SHORT = 0.002  # ohm, assumed
 KNEE = 1.0  # V under which a sink can no longer hold its current, assumed
@@ -43,17 +35,6 @@ class Load(ABC):
     @abstractmethod
     def line(self, voltage: float, current: float, dt: float) -> Line:
         """The load during the coming `dt` seconds; voltage and current are those before it."""
-
-    def __str__(self) -> str:
-        values = [(quantity, getattr(self, quantity.name)) for quantity in fields(self)]
-        given = [(quantity.name, value) for quantity, value in values if value != quantity.default]
-        return " ".join([self.word, *(_written(name, value) for name, value in given)])
-
-
-def _written(name: str, value: float) -> str:
-    if value is True:
-        return name
-    return repr(value).removesuffix(".0")
 
 
 @dataclass(frozen=True)
@@ -162,7 +143,8 @@ def parse_load(text: str) -> Load:
     """
     word, *rest = text.split() or [""]
     if word not in LOADS:
-        hint = did_you_mean(word, LOADS)
+        near = get_close_matches(word, LOADS, n=1)
+        hint = f", did you mean {near[0]!r}?" if near else ""
         raise ValueError(f"no load is called {word!r}{hint}: {', '.join(LOADS)}")
     kind = LOADS[word]
     try:

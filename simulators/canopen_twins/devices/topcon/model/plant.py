@@ -1,21 +1,27 @@
-"""Everything about an output stage that is set from outside, at any time, by plain assignment."""
+"""The power side of an output stage: what is set from outside, and how it moves in time."""
 
+from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field
-from math import expm1, inf, log
+from math import inf
 from random import Random
 from typing import ClassVar
 
-from canopen_twins.devices.topcon.model.circuit import Circuit, Law
+from canopen_twins.devices.topcon.model.circuit import Circuit, Law, Ramps
 from canopen_twins.devices.topcon.model.loads import Load, Open
-from canopen_twins.devices.topcon.model.modes import Mode, State
+from canopen_twins.devices.topcon.model.states import Mode, StageState
+from canopen_twins.devices.topcon.model.thermal import HOT, WARM, HeatSink, I2tStore, derated_at
 from canopen_twins.devices.topcon.model.unit import FULL_SCALE, Connection, UnitType
 
 LEVEL_MARGIN = 1.1  # protection levels at power-on, as parts: 4400 (A-42)
+TOUCH = 1.001  # the derated maximum bends the output from this much above the current on
+EVEN = 1e-4  # K: so near its end, the temperature moves the output by 0.01 parts at most
+SLOW = 1e-3  # of full scale a step: heat moves the output no faster
+CREEP = 0.01  # s in one go while it does
 
 
 @dataclass(eq=False)
 class Inputs:
-    """Set values and surroundings, in V, A, W, ohm, s, Hz and degC.
+    """Set values and surroundings, in V, A, W, ohm, s, Hz and degC; assigned at any time.
 
     `unit` is one unit when it comes in and the figures of the whole system of `units` after that.
     """
@@ -42,10 +48,7 @@ class Inputs:
 
     mains: float = 400.0  # V between lines
     mains_frequency: float = 50.0
-    supply_24v: float = 24.0
-    supply_5v: float = 5.0
-    supply_15v: float = 15.0
-    supply_minus_15v: float = -15.0
+    supplies: Mapping[str, float] = field(default_factory=dict)  # V, of those that are wrong
     interlock_closed: bool = True
     slave_silent: bool = False  # a unit of the system does not answer the master
     sense_offset: float = 0.0  # V at the sense lines that are not at the terminals
@@ -58,118 +61,13 @@ class Inputs:
         self.overcurrent_level = LEVEL_MARGIN * self.unit.maximum_current
 
 
-SLOPE_1 = 1.6  # s from zero to full scale at slope 1, by Regatron's DLL header
-
-
-class Ramps:
-    """Ramped set values in V and A. Power and resistance act at once, without a ramp."""
-
-    def __init__(self, unit: UnitType) -> None:
-        self._unit = unit
-        self.restart()
-
-    def restart(self) -> None:
-        """Forget the set values reached; the start slope holds until both are reached again."""
-        self.voltage = self.current = 0.0
-        self._slope = self._unit.start_slope
-
-    def reached(self, voltage: float, current: float) -> bool:
-        """Whether nothing is left to ramp, once these are the set values."""
-        return self.voltage == voltage and self.current == current
-
-    def step(self, dt: float, voltage: float, current: float) -> None:
-        """Approach the set values for `dt` seconds."""
-        part = dt * self._slope / SLOPE_1
-        self.voltage = _toward(voltage, self.voltage, part * self._unit.nominal_voltage)
-        self.current = _toward(current, self.current, part * self._unit.maximum_current)
-        if self.reached(voltage, current):
-            self._slope = self._unit.run_slope
-
-
-def _toward(target: float, value: float, reach: float) -> float:
-    if target > value:
-        return min(target, value + reach)
-    return max(target, value - reach)
-
-
-WARM = 80.0  # degC: warning, and the current limit begins to fall (assumed)
-HOT = 95.0  # degC: trip (assumed)
-LEAST = 0.5  # of the maximum current, at HOT (assumed)
-
-
-class HeatSink:
-    """Temperature in degC; losses in W warm it above the ambient."""
-
-    def __init__(self, unit: UnitType, temperature: float) -> None:
-        self._unit = unit
-        self.temperature = temperature
-
-    @property
-    def time_constant(self) -> float:
-        """Seconds."""
-        return self._unit.thermal_resistance * self._unit.thermal_capacity
-
-    @property
-    def derating(self) -> float:
-        """Part of the maximum current it can carry: 1 when not warm, 0.5 and no less when hot."""
-        excess = (self.temperature - WARM) / (HOT - WARM)
-        return 1.0 - (1.0 - LEAST) * min(max(excess, 0.0), 1.0)
-
-    def step(self, dt: float, loss: float, ambient: float) -> None:
-        """`dt` seconds, of any length, at constant loss."""
-        way = self.end(loss, ambient) - self.temperature
-        self.temperature -= way * expm1(-dt / self.time_constant)
-
-    def end(self, loss: float, ambient: float) -> float:
-        """The temperature that `loss` leads to."""
-        return ambient + loss * self._unit.thermal_resistance
-
-    def time_to(self, level: float, end: float) -> float:
-        """Seconds until the temperature rises to `level` on its way to `end`; inf if never."""
-        if not self.temperature < level < end:
-            return inf
-        return self.time_constant * log((end - self.temperature) / (end - level))
-
-
-def derated_at(part: float) -> float:
-    """The temperature at which only `part` of the maximum current is left; WARM at least."""
-    return WARM + max(0.0, 1.0 - part) / (1.0 - LEAST) * (HOT - WARM)
-
-
-HAIR = 1e-9  # a current of exactly the permitted one, but for its last bit, fills nothing
-
-
-class I2tStore:
-    """Charge in A2s, never below 0; the unit warns at half its limit and trips at the limit."""
-
-    def __init__(self, unit: UnitType) -> None:
-        self._unit = unit
-        self.charge = 0.0
-
-    def step(self, dt: float, current: float) -> None:
-        """`dt` seconds, of any length, at constant current."""
-        self.charge = max(0.0, self.charge + self._rate(current) * dt)
-
-    def time_to(self, level: float, current: float) -> float:
-        """Seconds until the charge rises to `level`; inf if never."""
-        rate = self._rate(current)
-        if rate <= 0.0 or self.charge >= level:
-            return inf
-        return (level - self.charge) / rate
-
-    def _rate(self, current: float) -> float:
-        permitted = self._unit.i2t_current**2
-        rate = current**2 - permitted
-        return rate if abs(rate) > HAIR * permitted else 0.0
-
-
 @dataclass(eq=False)
 class Plant(Inputs):
-    """The power side of an output stage."""
+    """Ramps, circuit, heat sink and I2t store under these inputs."""
 
     tick: ClassVar[float] = 0.001  # s
 
-    state: State = field(default=State.POWERUP, init=False)
+    state: StageState = field(default=StageState.POWERUP, init=False)
     ticks: int = field(default=0, init=False)  # since power-on
 
     def __post_init__(self) -> None:
@@ -183,7 +81,7 @@ class Plant(Inputs):
     @property
     def running(self) -> bool:
         """Whether the output is on."""
-        return self.state is State.RUN or self.state is State.WARN
+        return self.state is StageState.RUN or self.state is StageState.WARN
 
     @property
     def mode(self) -> Mode:
@@ -211,11 +109,6 @@ class Plant(Inputs):
         return self.heat.temperature
 
     @property
-    def i2t(self) -> float:
-        """In the I2t store, A2s."""
-        return self.store.charge
-
-    @property
     def loss(self) -> float:
         """W into the heat sink; current taken in costs as much as current given out."""
         if not self.running:
@@ -227,6 +120,19 @@ class Plant(Inputs):
     def derated_maximum(self) -> float:
         """A that the heat sink allows now."""
         return self.heat.derating * self.unit.maximum_current
+
+    @property
+    def settled(self) -> bool:
+        """Whether voltage and current will stay as they are."""
+        return self.circuit.settled and self._ramped and not self._heat_bends_output
+
+    @property
+    def ahead(self) -> float:
+        """Seconds that can pass in one go: 0 while something moves, inf if nothing ever will."""
+        if self.settled:
+            return self._until_next_level()
+        creeps = self.circuit.drift <= SLOW and self._ramped and self._heat_bends_output
+        return CREEP if creeps else 0.0
 
     def flow(self, ticks: int) -> None:
         """Let `ticks` pass, as one step of the circuit."""
@@ -248,6 +154,29 @@ class Plant(Inputs):
             min(self.ramps.current, self.derated_maximum),
             self.power_reference,
             self.unit.sink_current,
+        )
+
+    @property
+    def _ramped(self) -> bool:
+        reached = self.ramps.reached(self.voltage_reference, self.current_reference)
+        return reached or not self.running
+
+    @property
+    def _heat_bends_output(self) -> bool:
+        if self.heat.temperature < WARM or not self.running:
+            return False
+        end = self.heat.end(self.loss, self.ambient)
+        touches = self.derated_maximum <= TOUCH * self.circuit.current
+        return touches and abs(end - self.heat.temperature) > EVEN
+
+    def _until_next_level(self) -> float:
+        """Seconds until heat or I2t of a settled plant reach the next level that acts."""
+        current, limit = self.circuit.current, self.unit.i2t_limit
+        end = self.heat.end(self.loss, self.ambient)
+        bend = derated_at(TOUCH * current / self.unit.maximum_current)
+        return min(
+            *(self.heat.time_to(level, end) for level in (WARM, bend, HOT)),
+            *(self.store.time_to(level, current) for level in (limit / 2, limit)),
         )
 
     def _noise(self, channel: str) -> float:

@@ -1,12 +1,28 @@
-"""Watching a plant: which condition has lasted for longer than its delay."""
+"""What the unit is watched for: conditions, the errors they become, and which errors stay."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from math import ceil
 from typing import NamedTuple
 
-from canopen_twins.devices.topcon.model import error_numbers as number
-from canopen_twins.devices.topcon.model.plant import HOT, WARM, Inputs, Plant
+from canopen_twins.devices.topcon.model.plant import Inputs, Plant
+from canopen_twins.devices.topcon.model.thermal import HOT, WARM
 from canopen_twins.devices.topcon.model.unit import UnitType
+
+MAINS_LOW, MAINS_HIGH = 340.0, 460.0  # V between lines (assumed); DC link at 459 V and 621 V
+FREQUENCY_LOW, FREQUENCY_HIGH = 48.0, 62.0  # Hz (assumed)
+MAINS_DELAY = 0.02  # s (assumed)
+TRANSIENT = 0.15  # of the voltage, within a millisecond (assumed)
+NEAR = 0.05  # of a limit (assumed)
+
+HAIR = 1e-9  # of full scale: a regulated value is at its level but for the last bit
+DERATED_MARGIN = 1.05  # over the derated maximum (assumed)
+DERATED_DELAY = 0.01  # s (assumed)
+SENSE_MARGIN = 0.05  # of the nominal voltage: more than a drop on cables explains (assumed)
+SLAVE_DELAY = 0.1  # s (assumed)
+
+SLAVE_SILENT = 0x67  # Tab. 78
+SLAVE_NUMBER = 0xDA  # Tab. 77
+WRONG_COUNT = {"series": 0xD5, "parallel": 0xD6}  # Tab. 76
 
 Condition = Callable[[Plant], bool]
 
@@ -15,57 +31,47 @@ class Protection(NamedTuple):
     """A condition that becomes an error when it lasts; the error can be reset once it is over."""
 
     error: int
+    """Error number of chapter 8."""
     condition: Condition
     delay: float = 0.0  # s
     armed: Condition = lambda _: True
 
 
-class Watch:
-    """Counts ticks of `tick` seconds; one without the condition starts the count again."""
+class Rail(NamedTuple):
+    """A supply inside the unit: its range of 10 % (assumed), and the errors below and above."""
 
-    def __init__(self, protections: Iterable[Protection], tick: float) -> None:
-        self._protections = tuple(protections)
-        self._enough = [max(1, ceil(row.delay / tick - 1e-9)) for row in self._protections]
-        self._lasted: dict[int, int] = {}  # ticks, by place in the table
+    low: float  # V
+    high: float
+    low_error: int
+    high_error: int
 
-    def step(self, plant: Plant) -> None:
-        """Look at the plant, at the end of a tick."""
-        self._lasted = {
-            place: self._lasted.get(place, 0) + 1
-            for place, row in enumerate(self._protections)
-            if row.condition(plant) and row.armed(plant)
-        }
-
-    @property
-    def errors(self) -> list[int]:
-        """Error numbers of what has lasted long enough, in the order of the table."""
-        lasted = self._lasted.items()
-        return [self._protections[at].error for at, ticks in lasted if ticks >= self._enough[at]]
-
-    @property
-    def pending(self) -> bool:
-        """Whether a condition lasts, but not yet long enough."""
-        return any(ticks < self._enough[at] for at, ticks in self._lasted.items())
-
-    def persists(self, error: int, plant: Plant) -> bool:
-        """Whether the cause of an error is still there."""
-        return any(row.error == error and row.condition(plant) for row in self._protections)
+    def protections(self, name: str) -> Iterator[Protection]:
+        """Without a sign, so that below is nearer to 0."""
+        sign = 1 if self.low > 0 else -1
+        nominal, low, high = (self.low + self.high) / 2, sign * self.low, sign * self.high
+        yield Protection(
+            self.low_error, lambda plant: sign * plant.supplies.get(name, nominal) < low
+        )
+        yield Protection(
+            self.high_error, lambda plant: sign * plant.supplies.get(name, nominal) > high
+        )
 
 
-MAINS_LOW, MAINS_HIGH = 340.0, 460.0  # V between lines (assumed)
-FREQUENCY_LOW, FREQUENCY_HIGH = 48.0, 62.0  # Hz (assumed)
-DELAY = 0.02  # s (assumed)
-TRANSIENT = 0.15  # of the voltage, within a millisecond (assumed)
-NEAR = 0.05  # of a limit (assumed)
+RAILS = {  # Tab. 69
+    "24V": Rail(21.6, 26.4, 0x4B, 0x4C),
+    "15V": Rail(13.5, 16.5, 0x45, 0x46),
+    "-15V": Rail(-13.5, -16.5, 0x47, 0x48),
+    "5V": Rail(4.5, 5.5, 0x43, 0x44),
+}
 
 
 def mains_low(plant: Plant) -> bool:
-    """DC link under 459 V."""
+    """The lower end of the range."""
     return plant.mains < MAINS_LOW
 
 
 def mains_high(plant: Plant) -> bool:
-    """DC link over 621 V."""
+    """The upper end of the range."""
     return plant.mains > MAINS_HIGH
 
 
@@ -73,47 +79,6 @@ def mains_jumped(plant: Plant) -> bool:
     """Up or down; what was there before power-on is no jump."""
     jump = abs(plant.mains - plant.mains_before)
     return plant.ticks > 1 and jump > TRANSIENT * plant.mains_before
-
-
-def mains_near_a_limit(plant: Plant) -> bool:
-    """On the way out of the permitted range, or outside."""
-    return not MAINS_LOW * (1 + NEAR) <= plant.mains <= MAINS_HIGH * (1 - NEAR)
-
-
-DC_LINK = (  # an uncontrolled rectifier: 1.35 times the mains, so the mains stand for it
-    Protection(number.DC_LINK_LOW, mains_low, DELAY),
-    Protection(number.DC_LINK_HIGH, mains_high, DELAY),
-    Protection(number.DC_LINK_TRANSIENT, mains_jumped),
-)
-
-IBC = (  # a regenerating input stage holds the DC link itself and watches the mains
-    Protection(number.MAINS_LOW, mains_low, DELAY),
-    Protection(number.MAINS_HIGH, mains_high, DELAY),
-    Protection(
-        number.MAINS_FREQUENCY_LOW, lambda plant: plant.mains_frequency < FREQUENCY_LOW, DELAY
-    ),
-    Protection(
-        number.MAINS_FREQUENCY_HIGH, lambda plant: plant.mains_frequency > FREQUENCY_HIGH, DELAY
-    ),
-)
-
-AUXILIARY = (  # 10 % around each nominal voltage (assumed)
-    Protection(number.SUPPLY_24V_LOW, lambda plant: plant.supply_24v < 21.6),
-    Protection(number.SUPPLY_24V_HIGH, lambda plant: plant.supply_24v > 26.4),
-    Protection(number.SUPPLY_5V_LOW, lambda plant: plant.supply_5v < 4.5),
-    Protection(number.SUPPLY_5V_HIGH, lambda plant: plant.supply_5v > 5.5),
-    Protection(number.SUPPLY_15V_LOW, lambda plant: plant.supply_15v < 13.5),
-    Protection(number.SUPPLY_15V_HIGH, lambda plant: plant.supply_15v > 16.5),
-    Protection(number.SUPPLY_MINUS_15V_LOW, lambda plant: plant.supply_minus_15v > -13.5),
-    Protection(number.SUPPLY_MINUS_15V_HIGH, lambda plant: plant.supply_minus_15v < -16.5),
-)
-
-
-HAIR = 1e-9  # of full scale: a regulated value is at its level but for the last bit
-DERATED_MARGIN = 1.05  # over the derated maximum (assumed)
-DERATED_DELAY = 0.01  # s (assumed)
-SENSE_MARGIN = 0.05  # of the nominal voltage (assumed)
-SLAVE_DELAY = 0.1  # s (assumed)
 
 
 def above_voltage_level(plant: Plant) -> bool:
@@ -135,7 +100,7 @@ def above_derated_current(plant: Plant) -> bool:
 
 
 def sense_differs(plant: Plant) -> bool:
-    """More than a voltage drop on cables explains."""
+    """What is in the sense lines that is not at the terminals."""
     band = SENSE_MARGIN * plant.unit.nominal_voltage
     return not plant.sense_reversed and abs(plant.sense_offset) > band
 
@@ -156,39 +121,85 @@ def watching_voltage(plant: Plant) -> bool:
     return plant.running or plant.overvoltage_when_off
 
 
+DC_LINK = (  # an uncontrolled rectifier: 1.35 times the mains, so the mains stand for it
+    Protection(0x49, mains_low, MAINS_DELAY),  # Tab. 69
+    Protection(0x4A, mains_high, MAINS_DELAY),
+    Protection(0x4D, mains_jumped),
+)
+IBC = (  # a regenerating input stage holds the DC link itself and watches the mains
+    Protection(0x145, mains_low, MAINS_DELAY),  # Tab. 68
+    Protection(0x144, mains_high, MAINS_DELAY),
+    Protection(0x143, lambda plant: plant.mains_frequency < FREQUENCY_LOW, MAINS_DELAY),
+    Protection(0x142, lambda plant: plant.mains_frequency > FREQUENCY_HIGH, MAINS_DELAY),
+)
+
+
 def protections(unit: UnitType) -> Iterator[Protection]:
     """The rows one type of unit is watched by, in the order their errors are reported."""
-    yield Protection(
-        number.OVERVOLTAGE, above_voltage_level, unit.overvoltage_delay, watching_voltage
-    )
-    yield Protection(number.OVERCURRENT, above_current_level, unit.overcurrent_delay)
-    yield Protection(number.DERATED_OVERCURRENT, above_derated_current, DERATED_DELAY)
-    yield Protection(number.I2T, lambda plant: plant.store.charge >= unit.i2t_limit)
-    yield Protection(number.IGBT_TEMPERATURE, lambda plant: plant.heat.temperature >= HOT)
-    yield Protection(number.SENSE_DIFFERENCE, sense_differs)
-    yield Protection(number.SENSE_REVERSED, sense_negative)
+    yield Protection(0x30, above_voltage_level, unit.overvoltage_delay, watching_voltage)  # Tab. 70
+    yield Protection(0x21, above_current_level, unit.overcurrent_delay)  # Tab. 67
+    yield Protection(0x25, above_derated_current, DERATED_DELAY)
+    yield Protection(0x20, lambda plant: plant.store.charge >= unit.i2t_limit)
+    yield Protection(0x51, lambda plant: plant.heat.temperature >= HOT)  # Tab. 71
+    yield Protection(0x31, sense_differs)  # Tab. 70
+    yield Protection(0x33, sense_negative)
     yield from IBC if unit.regenerative else DC_LINK
-    yield from AUXILIARY
-    yield Protection(number.INTERLOCK_OPEN, lambda plant: not plant.interlock_closed)
-    yield Protection(number.SLAVE_SILENT, slave_missing, SLAVE_DELAY)
+    for name, rail in RAILS.items():
+        yield from rail.protections(name)
+    yield Protection(0xF2, lambda plant: not plant.interlock_closed)  # Tab. 83
+    yield Protection(SLAVE_SILENT, slave_missing, SLAVE_DELAY)
 
 
-WARNINGS: tuple[Condition, ...] = (  # bit 14 of 0x2023, no message (A-53)
-    lambda plant: plant.heat.temperature >= WARM,
-    lambda plant: plant.store.charge >= plant.unit.i2t_limit / 2,
-    lambda plant: plant.circuit.voltage > plant.overvoltage_warning,
-    lambda plant: plant.running and plant.circuit.current > plant.overcurrent_warning,
-    mains_near_a_limit,
-)
+def warns(plant: Plant) -> bool:
+    """Whether there is a reason for bit 14 of 0x2023; no message tells it (A-53)."""
+    unit, current = plant.unit, plant.circuit.current
+    return (
+        plant.heat.temperature >= WARM
+        or plant.store.charge >= unit.i2t_limit / 2
+        or plant.circuit.voltage > plant.overvoltage_warning
+        or (plant.running and current > plant.overcurrent_warning)
+        or not MAINS_LOW * (1 + NEAR) <= plant.mains <= MAINS_HIGH * (1 - NEAR)
+    )
+
+
+class Watch:
+    """Counts ticks of `tick` seconds; one without the condition starts the count again."""
+
+    def __init__(self, unit: UnitType, tick: float) -> None:
+        self._rows = tuple(protections(unit))
+        self._enough = [max(1, ceil(row.delay / tick - 1e-9)) for row in self._rows]
+        self._lasted: dict[int, int] = {}  # ticks, by place in the table
+
+    def step(self, plant: Plant) -> None:
+        """Look at the plant, at the end of a tick."""
+        self._lasted = {
+            place: self._lasted.get(place, 0) + 1
+            for place, row in enumerate(self._rows)
+            if row.condition(plant) and row.armed(plant)
+        }
+
+    @property
+    def errors(self) -> list[int]:
+        """Error numbers of what has lasted long enough, in the order of the table."""
+        lasted = self._lasted.items()
+        return [self._rows[at].error for at, ticks in lasted if ticks >= self._enough[at]]
+
+    @property
+    def pending(self) -> bool:
+        """Whether a condition lasts, but not yet long enough."""
+        return any(ticks < self._enough[at] for at, ticks in self._lasted.items())
+
+    def persists(self, error: int, plant: Plant) -> bool:
+        """Whether the cause of an error is still there."""
+        return any(row.error == error and row.condition(plant) for row in self._rows)
 
 
 class Latches:
     """`errors` in the order they came, and `warning`."""
 
     def __init__(self, stage: Inputs, tick: float) -> None:
-        count = number.PARALLEL_COUNT if stage.connection == "parallel" else number.SERIES_COUNT
-        self._one_short = [count, number.SLAVE_NUMBER]
-        self._watch = Watch(protections(stage.unit), tick)
+        self._one_short = [WRONG_COUNT[stage.connection], SLAVE_NUMBER]
+        self._watch = Watch(stage.unit, tick)
         self._held: list[int] = []
         self.errors: list[int] = []
         self.warning = False
@@ -203,11 +214,11 @@ class Latches:
         self._watch.step(plant)
         for error in self._watch.errors:
             self.latch(error)
-        self.warning = self.warning or _warns(plant)
+        self.warning = self.warning or warns(plant)
 
     def latch(self, error: int) -> None:
         """Note an error, once."""
-        known = error == number.SLAVE_SILENT and number.SLAVE_NUMBER in self.errors
+        known = error == SLAVE_SILENT and SLAVE_NUMBER in self.errors
         if error not in self.errors and not known:
             self.errors.append(error)
 
@@ -224,11 +235,11 @@ class Latches:
     def reset(self, plant: Plant) -> None:
         """Forget what has no cause any more (A-49)."""
         left = [error for error in self.errors if self._persists(error, plant)]
-        if number.SLAVE_SILENT in left and slave_missing(plant):
-            left.remove(number.SLAVE_SILENT)  # the system counts its units anew: one is missing
+        if SLAVE_SILENT in left and slave_missing(plant):
+            left.remove(SLAVE_SILENT)  # the system counts its units anew: one is missing
             left += self._one_short
         self.errors = left
-        self.warning = _warns(plant)
+        self.warning = warns(plant)
 
     def _persists(self, error: int, plant: Plant) -> bool:
         return (
@@ -236,7 +247,3 @@ class Latches:
             or (error in self._one_short and slave_missing(plant))
             or self._watch.persists(error, plant)
         )
-
-
-def _warns(plant: Plant) -> bool:
-    return any(condition(plant) for condition in WARNINGS)

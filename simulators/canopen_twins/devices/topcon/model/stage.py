@@ -1,57 +1,15 @@
-"""How long a plant can be left alone: whether it moves, and when heat or I2t will act."""
+"""The output stage: power side and protections in one state machine, in ticks of 1 ms."""
 
 from dataclasses import dataclass, fields
 from math import ceil, inf
 from operator import attrgetter
 from typing import Any
 
-from canopen_twins.devices.topcon.model import error_numbers as number
-from canopen_twins.devices.topcon.model.modes import TRANSITIONS, Event, Mode, State
-from canopen_twins.devices.topcon.model.plant import HOT, WARM, Inputs, Plant, derated_at
+from canopen_twins.devices.topcon.model.plant import Inputs, Plant
 from canopen_twins.devices.topcon.model.protections import Latches
+from canopen_twins.devices.topcon.model.states import TRANSITIONS, Mode, StageEvent, StageState
 
-TOUCH = 1.001  # the derated maximum bends the output from this much above the current on
-EVEN = 1e-4  # K: so near its end, the temperature moves the output by 0.01 parts at most
-SLOW = 1e-3  # of full scale a step: heat moves the output no faster
-CREEP = 0.01  # s in one go while it does
-
-
-def settled(plant: Plant) -> bool:
-    """Whether voltage and current will stay as they are."""
-    return plant.circuit.settled and _ramped(plant) and not _heat_bends_output(plant)
-
-
-def ahead(plant: Plant) -> float:
-    """Seconds that can pass in one go: 0 while something moves, inf if nothing ever will."""
-    if settled(plant):
-        return _quiet(plant)
-    creeps = plant.circuit.drift <= SLOW and _ramped(plant) and _heat_bends_output(plant)
-    return CREEP if creeps else 0.0
-
-
-def _quiet(plant: Plant) -> float:
-    """Seconds until a settled plant reaches its next level of heat or I2t."""
-    end = plant.heat.end(plant.loss, plant.ambient)
-    bend = derated_at(TOUCH * plant.circuit.current / plant.unit.maximum_current)
-    current, limit = plant.circuit.current, plant.unit.i2t_limit
-    return min(
-        *(plant.heat.time_to(level, end) for level in (WARM, bend, HOT)),
-        *(plant.store.time_to(level, current) for level in (limit / 2, limit)),
-    )
-
-
-def _ramped(plant: Plant) -> bool:
-    reached = plant.ramps.reached(plant.voltage_reference, plant.current_reference)
-    return reached or not plant.running
-
-
-def _heat_bends_output(plant: Plant) -> bool:
-    if plant.heat.temperature < WARM or not plant.running:
-        return False
-    end = plant.heat.end(plant.loss, plant.ambient)
-    touches = plant.derated_maximum <= TOUCH * plant.circuit.current
-    return touches and abs(end - plant.heat.temperature) > EVEN
-
+LAST_ERROR = 0x1FF  # error numbers of chapter 8 have nine bits
 
 inputs_of = attrgetter(*(part.name for part in fields(Inputs)))
 
@@ -67,7 +25,7 @@ class OutputStage(Plant):
         self._calm: Any = None  # the inputs, when with them nothing happens for the time `_ahead`
         self._ahead = 0.0
         if not self._boot_left:
-            self._fire(Event.BOOTED)
+            self._fire(StageEvent.BOOTED)
 
     @property
     def errors(self) -> tuple[int, ...]:
@@ -82,25 +40,25 @@ class OutputStage(Plant):
     @property
     def blocked(self) -> bool:
         """Whether `run` would do nothing: powering up, error, open interlock."""
-        return self.state in (State.POWERUP, State.ERROR) or not self.interlock_closed
+        return self.state in (StageState.POWERUP, StageState.ERROR) or not self.interlock_closed
 
     def run(self) -> None:
         """Output on, from zero. Nothing while blocked (A-47), or when it is on already."""
         if not self.blocked and not self.running:
             self.ramps.restart()
             self.circuit.mode = Mode.VOLTAGE
-            self._fire(Event.RUN)
+            self._fire(StageEvent.RUN)
             self._follow_latches()
 
     def stop(self) -> None:
         """Output off, at once."""
-        self._fire(Event.STOP)
+        self._fire(StageEvent.STOP)
 
     def reset(self) -> None:
         """Forget errors and warning as far as their cause is gone (A-49); starts nothing."""
         self._latches.reset(self)
         if not self.errors:
-            self._fire(Event.CLEAR)
+            self._fire(StageEvent.CLEAR)
         self._follow_latches()
 
     def trip(self, error: int, held: bool = False) -> None:
@@ -108,8 +66,8 @@ class OutputStage(Plant):
 
         Raises ValueError for a number of more than nine bits (chapter 8).
         """
-        if not 0 <= error <= number.LAST:
-            raise ValueError(f"error number {error:#x} is not in 0..{number.LAST:#x}")
+        if not 0 <= error <= LAST_ERROR:
+            raise ValueError(f"error number {error:#x} is not in 0..{LAST_ERROR:#x}")
         if held:
             self._latches.hold(error)
         self._latches.latch(error)
@@ -138,7 +96,7 @@ class OutputStage(Plant):
             rest = self.rest
             ticks = max(1, ceil(min(rest / self.tick, due) - 1e-6))
             self._owed -= ticks
-            if rest and settled(self):
+            if rest and self.settled:
                 self.coast(ticks)
                 self._ahead = rest - ticks * self.tick
                 if self._ahead > 1e-6 * self.tick:
@@ -150,14 +108,14 @@ class OutputStage(Plant):
             self._look_ahead()
 
     def _look_ahead(self) -> None:
-        undisturbed = 0.0 if self._latches.pending else ahead(self)
+        undisturbed = 0.0 if self._latches.pending else self.ahead
         self._ahead = min(undisturbed, self._boot_left or inf)
         self._calm = inputs_of(self) if undisturbed else None
 
     def _supervise(self) -> None:
-        if self.state is State.POWERUP:
+        if self.state is StageState.POWERUP:
             if not self._boot_left:
-                self._fire(Event.BOOTED)
+                self._fire(StageEvent.BOOTED)
             return
         self._latches.step(self)
         self._follow_latches()
@@ -168,11 +126,11 @@ class OutputStage(Plant):
 
     def _follow_latches(self) -> None:
         if self._latches.errors:
-            self._fire(Event.TRIP)
+            self._fire(StageEvent.TRIP)
         if self._latches.warning:
-            self._fire(Event.WARN)
+            self._fire(StageEvent.WARN)
 
-    def _fire(self, event: Event) -> None:
+    def _fire(self, event: StageEvent) -> None:
         was_running = self.running
         self.state = TRANSITIONS[self.state].get(event, self.state)
         if self.running is not was_running:

@@ -1,0 +1,103 @@
+"""The bus of `run`: one of python-can, or one on a hub."""
+
+import argparse
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any, NamedTuple
+
+import can
+from can.cli import create_bus_from_namespace
+from can.util import load_config
+
+from canopen_twins.bus.hub.client import HubBus
+from canopen_twins.bus.hub.protocol import HubAddress
+from canopen_twins.cli.command import Parser
+from canopen_twins.errors import UserError
+from canopen_twins.live.bus import OpenBus
+
+DEFAULT_BUS = "vcan0"  # on a hub
+
+VIRTUAL: Mapping[str, Callable[[Mapping[str, Any]], bool]] = {
+    "virtual": lambda _: True,
+    "udp_multicast": lambda _: True,
+    "socketcan": lambda config: str(config.get("channel")).startswith(("vcan", "vxcan")),
+    "socketcand": lambda config: HubAddress(str(config.get("host"))).is_loopback,
+}
+"""Interfaces of python-can behind which there may be no hardware, by their configuration."""
+
+
+def add_bus(parser: Parser) -> None:
+    """A hub or a bus of python-can."""
+    text = f"join a hub (default: {HubAddress()}); the bus is that of -c"
+    parser.add_argument("--hub", nargs="?", const="", metavar="HOST:PORT", help=text)
+    parser.add_argument(
+        "--real-bus", action="store_true", help="the bus may have real devices on it"
+    )
+
+
+class NamedBus(NamedTuple):
+    """A bus that can be opened, again and again."""
+
+    open: OpenBus
+    told: Mapping[str, object]
+    """What programs are told of it."""
+    virtual: bool
+    """Whether there is no hardware on it."""
+    private: bool = False
+    """Whether nobody from another process can be on it."""
+
+
+def named_bus(options: argparse.Namespace) -> NamedBus:
+    """The bus of the options.
+
+    Raises:
+        UserError: they contradict each other, or name a real bus without saying so.
+    """
+    bus = _of_python_can(options) if options.hub is None else _of_a_hub(options)
+    if not bus.virtual and not options.real_bus:
+        where = " ".join(str(word) for word in bus.told.values() if word is not None)
+        raise UserError(f"there may be real devices on {where}: say --real-bus if you mean it")
+    return bus
+
+
+def _of_a_hub(options: argparse.Namespace) -> NamedBus:
+    if "interface" in options:
+        raise UserError("--hub is a bus by itself: leave --interface out")
+    address, name = HubAddress.parse(options.hub), getattr(options, "channel", DEFAULT_BUS)
+    told = {"hub": str(address), "channel": name}
+    return NamedBus(partial(_join, address, name), told, virtual=address.is_loopback)
+
+
+def _of_python_can(options: argparse.Namespace) -> NamedBus:
+    config = _config(options)
+    interface = config.get("interface")
+    known = VIRTUAL.get(str(interface))
+    virtual = interface is None if known is None else known(config)  # None: it will not open
+    told = {"interface": interface, "channel": config.get("channel")}
+    return NamedBus(partial(_open, options), told, virtual, interface == "virtual")
+
+
+def _config(options: argparse.Namespace) -> Mapping[str, Any]:
+    """What python-can makes of the options and of its configuration files; empty if it cannot."""
+    given = {key: getattr(options, key) for key in ("interface", "channel") if key in options}
+    try:
+        return load_config(config={**given, **getattr(options, "bus_kwargs", {})})
+    except (can.CanError, ValueError):
+        return given
+
+
+def _open(options: argparse.Namespace) -> can.BusABC:
+    """What python-can raises says why there is no bus."""
+    try:
+        return create_bus_from_namespace(options)
+    except argparse.ArgumentError as failure:
+        hint = "" if "interface" in options else " (say --interface and --channel, or --hub)"
+        raise can.CanInitializationError(f"{failure.__cause__}{hint}") from failure
+
+
+def _join(address: HubAddress, name: str) -> can.BusABC:
+    try:
+        return HubBus(address, name)
+    except OSError as failure:
+        hint = "start one with `canopen-twin hub`"
+        raise can.CanInitializationError(f"no hub at {address}, {hint}: {failure}") from failure

@@ -1,0 +1,95 @@
+"""What commands share: a parser, the options of a device, signals, and the exit codes."""
+
+import argparse
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from types import FrameType
+from typing import Any
+
+from canopen_twins.errors import UserError
+
+OK = 0
+FAILED = 1
+"""An expectation failed, or two runs are not the same; also a bug, with its traceback."""
+WRONG_INPUT = 2
+INTERRUPTED = 130
+"""By SIGINT, as shells have it."""
+NO_READER = 141
+"""Whoever read our output has seen enough; as of SIGPIPE."""
+
+DEVICE = "one of `canopen-twin list`"
+SCENARIO = "a file, or the name of one that is shipped"
+PLOT = "draw the run: .png, .svg or .html (needs the extra `plot`)"
+
+
+class Parser(argparse.ArgumentParser):
+    """The parser of a command, which is empty until the command is chosen."""
+
+    complete: "Callable[[Parser], None] | None" = None
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse, after everything is there."""
+        complete, self.complete = self.complete, None
+        if complete is not None:
+            complete(self)
+        return super().parse_known_args(args, namespace)
+
+
+def add_verbosity(parser: argparse.ArgumentParser, default: Any = argparse.SUPPRESS) -> None:
+    """-v, which may stand before the name of a command or behind it."""
+    text = "tell more; -vv the most"
+    parser.add_argument("-v", "--verbose", action="count", default=default, help=text)
+
+
+def add_device(parser: Parser, text: str = DEVICE, nargs: str | None = None) -> None:
+    """A device, and how it is delivered."""
+    parser.add_argument("device", metavar="DEVICE", nargs=nargs, help=text)
+    parser.add_argument(
+        "-n", "--node-id", type=partial(int, base=0), metavar="ID", help="1..127, or as 0x05"
+    )
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="see `settings DEVICE`"
+    )
+    parser.add_argument("--config", metavar="FILE", help="short for --set config=FILE")
+
+
+def device_settings(options: argparse.Namespace) -> dict[str, object]:
+    """Settings by name, from `--node-id`, `--config` and every `--set KEY=VALUE`.
+
+    Raises:
+        UserError: a setting without a value.
+    """
+    settings: dict[str, object] = {}
+    for text in options.set:
+        key, equals, settings[key] = text.partition("=")
+        if not equals:
+            raise UserError(f"--set {text}: write it as KEY=VALUE")
+    given = {"config": options.config, "node_id": options.node_id}
+    return settings | {key: value for key, value in given.items() if value is not None}
+
+
+class Signals(list[int]):
+    """The signals that have come."""
+
+    @property
+    def code(self) -> int:
+        """The exit code of a command that ends because of them."""
+        return INTERRUPTED if signal.SIGINT in self else OK
+
+
+@contextmanager
+def catch_signals() -> Iterator[Signals]:
+    """SIGINT and SIGTERM are wishes: what is under way is finished first."""
+    caught = Signals()
+
+    def catch(number: int, frame: FrameType | None) -> None:
+        caught.append(number)
+
+    before = {number: signal.signal(number, catch) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield caught
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -1,0 +1,182 @@
+"""run: twins on a CAN bus in real time; one device, the nodes of a scenario, or of a bench file."""
+
+import argparse
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager, nullcontext
+from pathlib import Path
+
+from can.cli import add_bus_arguments
+
+from canopen_twins import devices
+from canopen_twins.bus.segment import Segment
+from canopen_twins.cli.bus import NamedBus, add_bus, named_bus
+from canopen_twins.cli.check import load
+from canopen_twins.cli.command import (
+    DEVICE,
+    FAILED,
+    OK,
+    SCENARIO,
+    Parser,
+    Signals,
+    add_device,
+    catch_signals,
+    device_settings,
+)
+from canopen_twins.cli.results import Announcer, add_recording, add_reports, recording
+from canopen_twins.device.device import Device
+from canopen_twins.device.node import Node
+from canopen_twins.errors import UserError
+from canopen_twins.faults import connect
+from canopen_twins.files.whole import held
+from canopen_twins.live.bus import OpenBus, with_node_id_check
+from canopen_twins.live.serve import serve
+from canopen_twins.scenario import Player, Scenario, begin, load_bench
+from canopen_twins.scenario.scenario import NodeSpec
+from canopen_twins.slave.memory import Memory
+
+LISTEN, LISTEN_LONG = 0.3, 1.5  # seconds; on a real bus a heartbeat of a second should be heard
+OF_ONE_DEVICE = ("node-id", "set", "config", "nvram")
+
+
+def add_run(parser: Parser) -> None:
+    """run."""
+    text = f"{DEVICE}, or a bench file; with --scenario it may be left out"
+    add_device(parser, text, nargs="?")
+    parser.add_argument("--scenario", metavar="SCENARIO", help=SCENARIO)
+    text = "keep what the device stores in a file"
+    parser.add_argument("--nvram", type=Path, metavar="FILE", help=text)
+    add_bus(parser)
+    add_reports(parser)
+    add_recording(parser)
+    add_bus_arguments(parser)
+    parser.set_defaults(command=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Serve until SIGTERM (0), SIGINT (130) or the end of the scenario (0, or 1 if it failed)."""
+    with held(options.nvram) if options.nvram else nullcontext(), catch_signals() as signals:
+        return _run(options, signals)
+
+
+def _run(options: argparse.Namespace, signals: Signals) -> int:
+    segment: Segment[Node] = Segment()
+    announcer = Announcer(options)
+    if announcer.wanted and not options.scenario:
+        raise UserError("--json and --junit tell of a verdict: say which with --scenario")
+    scenario = load(options.scenario) if options.scenario else None
+    participants = _participants(options, scenario)
+    nodes = {name: connect(segment, device, name) for name, device in participants.items()}
+    player = Player(scenario, segment, nodes) if scenario else None
+    bus = named_bus(options)
+    ready = {**_ready(_title(options, scenario), segment), **bus.told}
+    with _off_in_the_end(segment):
+        with recording(options, "run", scenario, participants) as observers:
+            begin(segment, player, observers)
+            serve(
+                segment,
+                _opening(bus, segment),
+                lambda: bool(signals) or (player is not None and player.done),
+                lambda: print(json.dumps(ready), flush=True),
+            )
+        return signals.code if player is None else _told(player, announcer, signals)
+
+
+@contextmanager
+def _off_in_the_end(segment: Segment[Node]) -> Iterator[None]:
+    """Whatever comes, the devices keep what they keep when their supply goes."""
+    try:
+        yield
+    finally:
+        for node in segment.nodes:
+            node.power_off()
+
+
+def _told(player: Player, announcer: Announcer, signals: Signals) -> int:
+    """Programs hear of a run that was stopped before its end, too."""
+    if player.done or announcer.wanted:
+        announcer.tell(player.verdict)
+        announcer.end()
+    if not player.done:
+        return signals.code
+    return OK if player.verdict.ok else FAILED
+
+
+def _opening(bus: NamedBus, segment: Segment[Node]) -> OpenBus:
+    """With a look whether somebody is there who has one of our node ids."""
+    if bus.private:
+        return bus.open
+    node_ids = [node.node_id for node in segment.nodes]
+    return with_node_id_check(bus.open, node_ids, LISTEN if bus.virtual else LISTEN_LONG)
+
+
+def _ready(title: str, segment: Segment[Node]) -> dict[str, object]:
+    """What is run, with one node id, or with those of all nodes of a file."""
+    ids = {node.wire.name: node.node_id for node in segment.nodes}
+    return {"ready": title, **({"node_id": ids[title]} if title in ids else {"nodes": ids})}
+
+
+def _title(options: argparse.Namespace, scenario: Scenario | None) -> str:
+    """As it was called, or the only node of a scenario, or the scenario."""
+    if options.device is not None or scenario is None:
+        return str(options.device)
+    return next(iter(scenario.nodes)) if len(scenario.nodes) == 1 else str(scenario.file)
+
+
+def _participants(options: argparse.Namespace, scenario: Scenario | None) -> dict[str, Device]:
+    """The devices by the names of their nodes, with their power off.
+
+    Raises:
+        UserError: there is no such device or file, or it cannot be as it is told to be.
+    """
+    if "/" in (options.device or "") or str(options.device).endswith((".yaml", ".yml")):
+        _refuse(options, options.device, (*OF_ONE_DEVICE, "scenario"))
+        return _delivered(_of_bench(options.device))
+    if scenario is not None:
+        return _of_scenario(options, scenario)
+    if options.device is None:
+        taken = f"; {options.hub} was taken for the hub" if options.hub in devices.names() else ""
+        hint = f"say which device, or --scenario with a file that does{taken}"
+        raise UserError(f"nothing to run: {hint}")
+    return {options.device: _equipped(options, NodeSpec(devices.find(options.device), {}))}
+
+
+def _of_bench(name: str) -> Mapping[str, NodeSpec]:
+    try:
+        return load_bench(Path(name))
+    except UserError as refusal:
+        try:
+            load(name)
+        except UserError:
+            raise refusal from None
+    raise UserError(f"{name} is a scenario: run --scenario {name}")
+
+
+def _of_scenario(options: argparse.Namespace, scenario: Scenario) -> dict[str, Device]:
+    about = f"{scenario.file} is about {', '.join(scenario.nodes)}"
+    if options.device not in (None, *scenario.nodes):
+        raise UserError(f"{about}, not about {options.device}")
+    if len(scenario.nodes) == 1:
+        return {name: _equipped(options, spec) for name, spec in scenario.nodes.items()}
+    if options.device is not None:
+        raise UserError(f"{about}: leave {options.device} out, and all of them are run")
+    _refuse(options, str(scenario.file), OF_ONE_DEVICE)
+    return _delivered(scenario.nodes)
+
+
+def _refuse(options: argparse.Namespace, file: str, names: Iterable[str]) -> None:
+    for name in names:
+        if getattr(options, name.replace("-", "_")):
+            raise UserError(f"{file} says all about its nodes: leave --{name} out")
+
+
+def _delivered(nodes: Mapping[str, NodeSpec]) -> dict[str, Device]:
+    return {name: spec.create() for name, spec in nodes.items()}
+
+
+def _equipped(options: argparse.Namespace, spec: NodeSpec) -> Device:
+    """With what the command line has to say, which is the last word."""
+    device = spec.device(**{**spec.settings, **device_settings(options)})
+    if options.nvram is not None:
+        device.memory = Memory(options.nvram)
+    return device

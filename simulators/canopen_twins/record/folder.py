@@ -1,0 +1,143 @@
+"""The folder of a record: filled while a run goes on, and read to live through the run again."""
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import TextIO
+
+from canopen_twins import devices
+from canopen_twins.bus.clock import MICROSECONDS
+from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.segment import Segment
+from canopen_twins.device.node import Node
+from canopen_twins.errors import UserError
+from canopen_twins.faults import connect
+from canopen_twins.files.whole import folder_part
+from canopen_twins.record.journal import END, HEARD, EventLine, Journal, read_events
+from canopen_twins.record.manifest import Manifest, digest, read_manifest, version_now
+from canopen_twins.record.trace import Observer, read_frames
+from canopen_twins.scenario import Player, Scenario, begin, load, play, print_frames
+from canopen_twins.scenario.scenario import NodeSpec
+
+RUN, SCENARIO, TRACE, EVENTS = "run.json", "scenario.yaml", "trace.log", "events.jsonl"
+
+
+@contextmanager
+def record(folder: Path, manifest: Manifest, scenario: bytes | None) -> Iterator[Observer]:
+    """Fills a new folder; a run that is cut short leaves it under a name that ends in `.part`.
+
+    Raises:
+        UserError: there is something already, or it cannot be written.
+    """
+    with folder_part(folder) as part:
+        (part / RUN).write_text(manifest.text, "utf-8", newline="\n")
+        if scenario is not None:
+            (part / SCENARIO).write_bytes(scenario)
+        with _lines(part / TRACE) as trace, _lines(part / EVENTS) as events:
+            journals: list[Journal] = []
+
+            def attach(segment: Segment[Node], player: Player | None) -> None:
+                print_frames(trace)(segment, player)
+                journals.append(Journal(events, segment, player))
+
+            try:
+                yield attach
+                for journal in journals:
+                    journal.end()
+            finally:  # that the supply goes is no part of the run
+                for journal in journals:
+                    journal.close()
+
+
+def _lines(path: Path) -> TextIO:
+    """Each line is on its way to the disk when it is complete."""
+    return path.open("w", buffering=1, encoding="utf-8", newline="\n")
+
+
+class Recorded:
+    """A record as it is read: everything is looked at before anything is played.
+
+    Raises:
+        UserError: something of it is missing, or run.json is damaged.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        if not folder.is_dir():
+            raise UserError(f"{folder} is no record: a record is a directory")
+        self.folder = folder
+        self.manifest: Manifest = read_manifest(folder / RUN)
+        self.trace, self._events = folder / TRACE, folder / EVENTS
+        played = [self.scenario] if self.manifest.scenario else []
+        for path in (self.trace, self._events, *played):
+            if not path.is_file():
+                raise UserError(f"{path} is missing")
+
+    @property
+    def scenario(self) -> Path:
+        """The file that was played, as it was then."""
+        return self.folder / SCENARIO
+
+    @property
+    def events(self) -> Iterator[EventLine]:
+        """What happened beside the frames; raises `UserError` where that is damaged."""
+        return read_events(self._events)
+
+    @property
+    def end(self) -> float:
+        """When the run was over, in seconds; of one that was cut short the last that is told."""
+        time = 0.0
+        for event in self.events:
+            time = event.time
+            if event.kind == END:
+                return time
+        return max([time, *(sent.tick / MICROSECONDS for sent in read_frames(self.trace))])
+
+    @property
+    def other_versions(self) -> str:
+        """What it was made with and is not the same now, in words; empty if everything is."""
+        return ", ".join(
+            f"{name} {then} (now {now})"
+            for name, then in self.manifest.versions.items()
+            if then != (now := version_now(name))
+        )
+
+    def load_scenario(self) -> Scenario | None:
+        """The scenario, called as it was when it was recorded.
+
+        Raises:
+            UserError: it cannot be played any more, or a file that its settings name is another.
+        """
+        for name, then in self.manifest.files.items():
+            if not Path(name).is_file() or digest(Path(name)) != then:
+                raise UserError(f"{name} is not what it was when {self.folder} was recorded")
+        if self.manifest.scenario is None:
+            return None
+        nodes = {  # with every setting they had, so that no default of today matters
+            node.name: NodeSpec(devices.find(node.device), node.settings)
+            for node in self.manifest.nodes
+        }
+        return replace(load(self.scenario), file=Path(self.manifest.scenario), nodes=nodes)
+
+
+def reproduce(recorded: Recorded, observers: Iterable[Observer]) -> None:
+    """The same devices and scenario, and what the record has heard from outside at its times.
+
+    Raises:
+        UserError: the record is damaged, or there is no such device any more.
+    """
+    scenario = recorded.load_scenario()
+    if scenario is not None and recorded.manifest.kind == "play":
+        play(scenario, observers=observers)
+        return
+    segment: Segment[Node] = Segment()
+    nodes = {
+        node.name: connect(segment, node.create(), node.name) for node in recorded.manifest.nodes
+    }
+    begin(segment, Player(scenario, segment, nodes) if scenario else None, observers)
+    segment.deliver()
+    for event in recorded.events:
+        if event.kind == HEARD:
+            segment.advance_to(event.time)
+            segment.send(Frame.parse(str(event.fields.get("frame"))))
+    segment.advance_to(recorded.end)

@@ -1,1 +1,0 @@
-"""SDO server: expedited, segmented and block transfers (CiA 301, 7.2.4)."""

@@ -1,0 +1,1 @@
+"""What writes files of od/ and docs/: for a checkout, in no wheel."""
