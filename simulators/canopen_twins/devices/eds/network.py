@@ -23,8 +23,8 @@ class Network:
 
     def __init__(self, memory: Memory, delivered: int) -> None:
         self._memory = memory
-        kept = memory.load(SECTION).get("node_id")
-        self.node_id = int(kept) if kept in NODE_IDS else delivered
+        kept = memory.load(SECTION).get("node_id", delivered)
+        self.node_id: int = kept if kept in NODE_IDS else delivered
         self.pending = self.node_id
         self.bit_timing = self._pending_timing = memory.load(SECTION).get("bit_timing")
 
