@@ -97,6 +97,12 @@ def test_elements_come_out_however_the_bytes_are_cut(frames, data):
     assert [read_sent(text) for text in elements] == frames
 
 
+@pytest.mark.parametrize("text", [b" " * 129, b"\n" * 4096, b"<send 123 0>" + b" " * 129])
+def test_blanks_without_end_are_refused(text):
+    with pytest.raises(Refused, match="more than 128 bytes and no end"):
+        list(Stream().feed(text))
+
+
 @pytest.mark.parametrize("space", ["<send 123 0>", "\n<  send\t123  0 >\r\n"])
 def test_space_does_not_matter(space):
     assert read_sent(only(space.encode())) == Frame(0x123)

@@ -146,6 +146,15 @@ def test_a_client_that_does_not_read_is_dropped_and_holds_nobody_up(call, ours, 
     assert hear(b) == "001#"
 
 
+def test_one_frame_is_not_behind_thousands_of_somebody_else(call):
+    listener, flooder, other = (call().join() for _ in range(3))
+    flooder.say("<send 181 1 00>" * 5000)
+    other.say("<send 605 1 40>")
+    heard = [listener.hear() for _ in range(5001)]
+    place = next(place for place, text in enumerate(heard) if text.startswith("< frame 605"))
+    assert place < 4500
+
+
 def test_a_client_that_asks_and_does_not_read_is_dropped_too(call, caplog):
     dead = call(receive_buffer=4096).join()
     with suppress(ConnectionError):

@@ -75,12 +75,14 @@ class Stream:
             yield _text(part)
         if self._rest.strip():
             _text(self._rest)
+        elif len(self._rest) > LONGEST:
+            raise Refused(f"more than {LONGEST} bytes and no end")
 
 
 def _text(part: bytes) -> str:
-    part = part.strip()
-    if len(part) > LONGEST:
+    if len(part) > LONGEST:  # before anything is done with it: blanks without end are refused, too
         raise Refused(f"more than {LONGEST} bytes and no end")
+    part = part.strip()
     if not part.startswith(b"<") or b"<" in part[1:] or not part.isascii():
         raise Refused("this is the protocol of socketcand")
     return " ".join(part[1:].decode("ascii").split())

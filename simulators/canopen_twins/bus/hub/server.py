@@ -6,8 +6,9 @@ import os
 import re
 import socket
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from enum import Enum
+from itertools import chain, islice
 from typing import ClassVar
 
 from canopen_twins.bus.frame import Frame
@@ -57,6 +58,7 @@ KERNEL_BUFFER = 1 << 18  # bytes for one client; by itself it would grow to seve
 HANDSHAKE = 10.0  # seconds until a client has to be on a bus
 FAREWELL = 1.0  # seconds for a client to read why
 SETTLING = 0.2  # seconds
+ELEMENTS_A_TURN = 16  # of one client, before the others have their turns
 OPEN = re.compile(r"open ([A-Za-z0-9_.-]{1,16})")
 
 
@@ -77,6 +79,9 @@ class Connection(asyncio.Protocol):
         self._switch = switch
         self._stage = Stage.GREETED
         self._stream = Stream()
+        self._heard: Iterator[str] = iter(())  # what it has said and has not been done yet
+        self._backlog = bytearray()  # what the connection does not take at the moment
+        self._takes = True
         self._settling: bytearray | None = None  # what is kept back for a moment
         self._end: asyncio.TimerHandle | None = None
 
@@ -86,6 +91,7 @@ class Connection(asyncio.Protocol):
         self._transport = transport
         connection: socket.socket = transport.get_extra_info("socket")
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KERNEL_BUFFER)
+        transport.set_write_buffer_limits(high=0)  # see `pause_writing`
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
         peer = transport.get_extra_info("peername")  # none if it is gone again
         self._name = str(HubAddress(*peer[:2])) if peer else "somebody"
@@ -99,12 +105,27 @@ class Connection(asyncio.Protocol):
     def data_received(self, data: bytes) -> None:
         """Do what it says."""
         self._settle()  # whoever speaks has read what it was told
+        self._heard = chain(self._heard, self._stream.feed(data))
+        self._take_turn()
+
+    def _take_turn(self) -> None:
+        """Do a little of what it says, then let the others have theirs; read on when it is done."""
+        done = 0
         try:
-            for text in self._stream.feed(data):
+            for text in islice(self._heard, ELEMENTS_A_TURN):
+                done += 1
                 if not self._transport.is_closing():
                     self._obey(text)
         except Refused as refusal:
             self._refuse(str(refusal))
+            return
+        if self._transport.is_closing():
+            return
+        if done == ELEMENTS_A_TURN:
+            self._transport.pause_reading()
+            asyncio.get_running_loop().call_soon(self._take_turn)
+        else:
+            self._transport.resume_reading()
 
     def connection_lost(self, exc: Exception | None) -> None:
         """It has gone."""
@@ -121,16 +142,35 @@ class Connection(asyncio.Protocol):
             self._settling += data
             self._check(len(self._settling))
 
+    def pause_writing(self) -> None:
+        """It does not read: what comes now is kept in one piece, not as thousands of writes.
+
+        From Python 3.12 on asyncio keeps every write by itself and counts all of them at each.
+        """
+        self._takes = False
+
+    def resume_writing(self) -> None:
+        """It has read everything."""
+        self._takes = True
+        if self._backlog:
+            backlog, self._backlog = self._backlog, bytearray()
+            self._write(bytes(backlog))
+
     def hang_up(self) -> None:
         """End the connection; what has been written goes out, if it is read soon."""
         self._switch.leave(self)
+        self._transport.write(bytes(self._backlog))
         self._transport.close()
         self._end = asyncio.get_running_loop().call_later(FAREWELL, self._transport.abort)
 
     def _write(self, data: bytes) -> None:
-        if not self._transport.is_closing():
+        if self._transport.is_closing():
+            return
+        if self._takes:
             self._transport.write(data)
-            self._check(self._transport.get_write_buffer_size())
+        else:
+            self._backlog += data
+            self._check(len(self._backlog))
 
     def _check(self, waiting: int) -> None:
         if waiting > MOST_WAITING:
