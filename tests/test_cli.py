@@ -142,7 +142,10 @@ WRONG = [
     (["run", "topcon_overvoltage.yaml"], "is a scenario: run --scenario topcon_overvoltage.yaml"),
     (["run", "nowhere.yaml"], "nowhere.yaml: No such file or directory"),
     (["run", "topcon"], "(say --interface and --channel, or --hub)"),
-    (["run", "topcon", "--nvram", "/nowhere/memory"], "/nowhere/memory cannot be kept there"),
+    (
+        ["run", "topcon", "--nvram", "/nowhere/memory"],
+        "there is no directory for it",
+    ),
     (
         ["run", "topcon", "-i", "slcan", "-c", "/nowhere", "--real-bus"],
         "the bus cannot be opened: ",

@@ -1,9 +1,12 @@
 import json
 import logging
+import os
+from pathlib import Path
 
 import pytest
 
 from canopen_twins.errors import UserError
+from canopen_twins.files.whole import held
 from canopen_twins.slave.memory import LARGEST_FILE, Memory
 
 LARGE = json.dumps({"parameters": {"2001:00": "0" * LARGEST_FILE}}).encode()
@@ -80,10 +83,48 @@ def test_a_damaged_file_is_kept_beside_reported_and_replaced_by_defaults(path, c
     assert json.loads(path.read_text()) == {"a": {"one": 1}}
 
 
-@pytest.mark.parametrize("name", ["", "missing/memory.json"])
-def test_a_path_that_can_hold_no_file_is_an_error_of_the_user(tmp_path, name):
-    with pytest.raises(UserError, match="a memory is a file"):
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [("", "is a directory, where a plain file"), ("missing/memory.json", "there is no directory")],
+)
+def test_a_path_that_can_hold_no_file_is_an_error_of_the_user(tmp_path, name, told):
+    with pytest.raises(UserError, match=told):
         Memory(tmp_path / name)
+
+
+@pytest.mark.parametrize("path", ["/dev/null", "/dev/full", "fifo", "circle", "dangling"])
+def test_what_is_no_plain_file_is_refused_and_stays(tmp_path, monkeypatch, path):
+    monkeypatch.chdir(tmp_path)
+    os.mkfifo("fifo")
+    Path("circle").symlink_to("circle")
+    Path("dangling").symlink_to("nowhere/memory.json")
+    before = os.lstat(path)
+    with pytest.raises(UserError):
+        Memory(Path(path))
+    after = os.lstat(path)
+    assert (before.st_mode, before.st_ino) == (after.st_mode, after.st_ino)
+    assert not Path(f"{path}.bad").exists()
+
+
+def test_two_names_of_one_file_are_one_memory(tmp_path):
+    file, link = tmp_path / "memory.json", tmp_path / "link.json"
+    link.symlink_to(file)
+    with held(link), pytest.raises(UserError, match="belongs to another run"), held(file):
+        pass
+    Memory(link).store("a", {"one": 1})
+    assert Memory(file).load("a") == {"one": 1}
+    assert link.is_symlink()
+
+
+def test_a_memory_has_the_mode_of_its_file_or_that_of_any_new_one(tmp_path):
+    new, kept = tmp_path / "new.json", tmp_path / "kept.json"
+    kept.write_text("{}")
+    kept.chmod(0o640)
+    (tmp_path / "any").touch()
+    for path in (new, kept):
+        Memory(path).store("a", {})
+    assert new.stat().st_mode == (tmp_path / "any").stat().st_mode
+    assert kept.stat().st_mode & 0o777 == 0o640
 
 
 def test_a_file_the_system_refuses_is_an_error_of_the_user_in_its_words(tmp_path):

@@ -120,8 +120,8 @@ def test_until_the_end_the_file_has_another_name(lived, tmp_path):
     ("name", "told"),
     [
         ("out.pcap", "out.pcap is no trace file: its name ends in .log, .asc, .blf, .trc"),
-        ("nowhere/out.log", "nowhere/out.log cannot be written: No such file or directory"),
-        ("folder.log", "folder.log is a directory"),
+        ("nowhere/out.log", "nowhere/out.log: there is no directory for it"),
+        ("folder.log", "folder.log is a directory, where a plain file is wanted"),
     ],
 )
 def test_where_no_trace_file_can_be_is_told_before_anything_runs(tmp_path, name, told):

@@ -31,3 +31,17 @@ def frame_of(message: can.Message) -> Frame:
     """The frame of a message of classic CAN."""
     remote, extended = message.is_remote_frame, message.is_extended_id
     return Frame(message.arbitration_id, bytes(message.data), remote, extended)
+
+
+def receive(bus: can.BusABC, seconds: float) -> can.Message | None:
+    """The next message of a bus, none if there is none for so long.
+
+    `can.BusABC.recv` counts with the clock on the wall: set back by an hour, it would wait for an
+    hour. What its interface does by itself waits for so long and no longer.
+    """
+    if type(bus).recv is not can.BusABC.recv:
+        return bus.recv(seconds)
+    message, filtered = bus._recv_internal(seconds)  # noqa: SLF001
+    if message is None or filtered or bus._matches_filters(message):  # noqa: SLF001
+        return message
+    return None

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from canopen_twins.errors import UserError
+from canopen_twins.files.whole import read_plain
 
 LARGEST_FILE = 16 * 1024 * 1024
 LINE = re.compile(r"\r\n|\n|\r")
@@ -165,13 +166,7 @@ def read_sections(path: Path) -> Sections:
     Raises:
         UserError: it cannot be read, is larger than 16 MiB, or is no text.
     """
-    try:
-        with path.open("rb") as file:
-            content = file.read(LARGEST_FILE + 1)
-    except OSError as failure:
-        raise UserError(f"{path}: {failure.strerror}") from failure
-    if len(content) > LARGEST_FILE:
-        raise UserError(f"{path} is larger than {LARGEST_FILE // 1024 // 1024} MiB")
+    content = read_plain(path, LARGEST_FILE)
     text = decoded(content)
     if NO_TEXT in text:
         raise UserError(f"{path} is no text: it has bytes of zero")

@@ -1,9 +1,10 @@
 """Files and folders that are there whole, or as they were before; and files that one run holds."""
 
 import os
+import secrets
 import shutil
+import stat
 import sys
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,10 +15,50 @@ from canopen_twins.errors import UserError
 PART = ".part"
 
 
+def plain_file(path: Path) -> Path:
+    """Where a file that a user names is, or may be made: links have been followed.
+
+    It is looked at before anything is opened or moved: a device would be replaced by a file, a pipe
+    would wait for ever, and two names of one file would be two memories.
+
+    Raises:
+        UserError: it is no plain file, or there is no directory for one.
+    """
+    try:
+        real = path.resolve()
+        mode = real.stat().st_mode if real.exists() else None
+    except (OSError, RuntimeError) as failure:  # a link that leads to itself, a name too long
+        words = failure.strerror if isinstance(failure, OSError) else "links lead in a circle"
+        raise UserError(f"{path}: {words}") from failure
+    if mode is None and not real.parent.is_dir():
+        raise UserError(f"{path}: there is no directory for it")
+    if mode is not None and not stat.S_ISREG(mode):
+        kind = "a directory" if stat.S_ISDIR(mode) else "a device, a pipe or the like"
+        raise UserError(f"{path} is {kind}, where a plain file is wanted")
+    return real
+
+
+def read_plain(path: Path, largest: int) -> bytes:
+    """The content of a file that a user names.
+
+    Raises:
+        UserError: it is no plain file, it is larger than `largest` bytes, or it cannot be read.
+    """
+    real = plain_file(path)
+    try:
+        with real.open("rb") as file:
+            content = file.read(largest + 1)
+    except OSError as failure:
+        raise UserError(f"{path}: {failure.strerror}") from failure
+    if len(content) > largest:
+        raise UserError(f"{path} is larger than {largest // 1024} KiB")
+    return content
+
+
 def write_whole(path: Path, text: str) -> None:
     """Replace a file in one step: whoever reads it finds the old content or the new one.
 
-    What is no file, as /dev/stdout, is written to as it is; a link stays one.
+    What is no file, as /dev/stdout, is written to as it is; a link stays one, and a mode, too.
 
     Raises:
         OSError: it cannot be written; it is as before.
@@ -26,15 +67,18 @@ def write_whole(path: Path, text: str) -> None:
         path.write_text(text, "utf-8")
         return
     path = path.resolve()
-    handle, name = tempfile.mkstemp(prefix=path.name, suffix=".tmp", dir=path.parent)
+    part = path.with_name(f".{secrets.token_hex(8)}{PART}")  # the name itself may be of full length
+    handle = os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)  # less the umask
     try:
         with os.fdopen(handle, "w", encoding="utf-8") as file:
             file.write(text)
             file.flush()
             os.fsync(file.fileno())
-        Path(name).replace(path)
+        if path.exists():
+            part.chmod(stat.S_IMODE(path.stat().st_mode))
+        part.replace(path)
     except BaseException:
-        Path(name).unlink(missing_ok=True)
+        part.unlink(missing_ok=True)
         raise
 
 
@@ -48,10 +92,9 @@ def file_part(path: Path) -> Iterator[Path]:
     Raises:
         UserError: it cannot be written there.
     """
+    path = plain_file(path)
     part = _beside(path, PART)
     with _writing(path):
-        if path.is_dir():
-            raise UserError(f"{path} is a directory")
         part.touch()
     try:
         yield part
@@ -71,10 +114,11 @@ def folder_part(path: Path) -> Iterator[Path]:
     Raises:
         UserError: something is there already, also as a part, or it cannot be written.
     """
-    part = _beside(path, PART)
     with _writing(path):
+        told, path = path, path.resolve()  # `.` has no name, and a link stays one
         if path.exists() and (not path.is_dir() or any(path.iterdir())):
-            raise UserError(f"{path} exists: a record has a directory of its own")
+            raise UserError(f"{told} exists: a record has a directory of its own")
+        part = _beside(path, PART)
         if part.exists():
             raise UserError(f"{part} is left of a run that has not ended: remove it")
         part.mkdir()
@@ -98,8 +142,11 @@ def held(path: Path) -> Iterator[None]:
     Raises:
         UserError: another process holds it, or the directory cannot be written.
     """
+    path = plain_file(path)
     with _writing(path, "kept there"):
-        file = _beside(path, ".lock").open("w")
+        file = plain_file(_beside(path, ".lock")).open(
+            "a"
+        )  # a link that stands there loses nothing
     with file:
         try:
             _lock(file)
@@ -109,7 +156,6 @@ def held(path: Path) -> Iterator[None]:
 
 
 def _beside(path: Path, suffix: str) -> Path:
-    path = path.absolute()  # `.` has no name
     return path.with_name(path.name + suffix)
 
 

@@ -1,20 +1,27 @@
 """A bus of python-can that may fail, or that may have somebody on it with one of our node ids."""
 
 import logging
+import sys
 import time
 from collections import deque
 from collections.abc import Callable, Container, Iterable
 from contextlib import suppress
+from functools import partial
 
 import can
 from can.interfaces.udp_multicast import UdpMulticastBus
 
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.identifiers import Cob, classify
-from canopen_twins.bus.python_can import frame_of, message_of
+from canopen_twins.bus.python_can import frame_of, message_of, receive
 from canopen_twins.errors import UserError
 
 log = logging.getLogger(__name__)
+
+if sys.platform == "win32":
+    steady = time.perf_counter
+else:  # `time.monotonic` of a test may stand still: freezegun takes its place
+    steady = partial(time.clock_gettime, time.CLOCK_MONOTONIC)
 
 OpenBus = Callable[[], can.BusABC]
 """Opens a bus; again after it has failed."""
@@ -61,7 +68,7 @@ class ReopenedBus:
             self._reopen(wait)
             return None
         try:
-            message = self._bus.recv(wait)
+            message = receive(self._bus, wait)
         except FAILURES as failure:
             self._fail(failure)
             return None
@@ -85,7 +92,7 @@ class ReopenedBus:
         self._echoes = deque(maxlen=MOST_ECHOES) if _echoes(bus) else None
 
     def _reopen(self, wait: float) -> None:
-        left = self._next_attempt - time.monotonic()
+        left = self._next_attempt - steady()
         if left > 0:
             time.sleep(min(left, wait))
             return
@@ -101,7 +108,7 @@ class ReopenedBus:
             log.info("the bus still fails: %s", _words(failure))
         self.close()
         self._failing = True
-        self._next_attempt = time.monotonic() + self._pause
+        self._next_attempt = steady() + self._pause
         self._pause = min(2 * self._pause, LONGEST_PAUSE)
 
     def _recover(self) -> None:
@@ -146,9 +153,9 @@ def with_node_id_check(open_bus: OpenBus, node_ids: Iterable[int], seconds: floa
 
 
 def _listen(bus: can.BusABC, wanted: Container[int], seconds: float) -> None:
-    end = time.monotonic() + seconds
-    while (left := end - time.monotonic()) > 0:
-        heard = bus.recv(left)
+    end = steady() + seconds
+    while (left := end - steady()) > 0:
+        heard = receive(bus, left)
         if heard is None or heard.is_extended_id or heard.is_remote_frame or heard.is_error_frame:
             continue
         known = classify(heard.arbitration_id)

@@ -1,12 +1,11 @@
 """Twins on a python-can bus, in real time, on the calling thread."""
 
 import logging
-import time
 from collections.abc import Callable
 
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
-from canopen_twins.live.bus import OpenBus, ReopenedBus
+from canopen_twins.live.bus import OpenBus, ReopenedBus, steady
 
 log = logging.getLogger(__name__)
 
@@ -44,7 +43,7 @@ def drive(
     segment: Segment[Node],
     bus: ReopenedBus,
     stopped: Callable[[], bool],
-    wall: Callable[[], float] = time.monotonic,
+    wall: Callable[[], float] = steady,
 ) -> None:
     """Let a segment keep pace with the seconds of `wall` and hear what comes over a bus.
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from canopen_twins.errors import UserError
-from canopen_twins.files.whole import write_whole
+from canopen_twins.files.whole import plain_file, write_whole
 
 log = logging.getLogger(__name__)
 
@@ -22,10 +22,10 @@ class Memory:
     """
 
     def __init__(self, path: Path | None = None) -> None:
-        self.path = path
+        self.path = None if path is None else plain_file(path)
         self.worn = False
         """Whether it takes nothing any more, as after too many cycles."""
-        self._sections: dict[str, dict[str, Any]] = _read(path) if path else {}
+        self._sections: dict[str, dict[str, Any]] = _read(self.path) if self.path else {}
 
     @property
     def content(self) -> Mapping[str, Mapping[str, Any]]:
@@ -58,8 +58,6 @@ def _read(path: Path) -> dict[str, dict[str, Any]]:
 
 
 def _read_or_set_aside(path: Path) -> dict[str, dict[str, Any]]:
-    if path.is_dir() or not path.parent.is_dir():
-        raise UserError(f"{path}: a memory is a file in a directory that exists")
     if not path.exists():
         return {}
     try:

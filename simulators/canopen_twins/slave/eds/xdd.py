@@ -12,6 +12,7 @@ from xml.parsers import expat
 
 from canopen_twins.errors import UserError
 from canopen_twins.files.sections import LARGEST_FILE, Section, Sections
+from canopen_twins.files.whole import read_plain
 
 SUFFIXES = (".xdd", ".xdc")
 DEEPEST = 64  # elements within elements
@@ -67,13 +68,7 @@ def read_xdd(path: Path) -> Sections:
     Raises:
         UserError: it cannot be read, is too large, or no XML without a document type.
     """
-    try:
-        with path.open("rb") as file:
-            content = file.read(LARGEST_FILE + 1)
-    except OSError as failure:
-        raise UserError(f"{path}: {failure.strerror}") from failure
-    if len(content) > LARGEST_FILE:
-        raise UserError(f"{path} is larger than {LARGEST_FILE // 1024 // 1024} MiB")
+    content = read_plain(path, LARGEST_FILE)
     return _sections(_parsed(path, content))
 
 
