@@ -186,7 +186,7 @@ def test_help_is_there_without_the_imports_of_the_commands():
         import sys
         from canopen_twins.cli import parser
         parser().format_help()
-        print([name for name in ("can", "canopen", "yaml", "json") if name in sys.modules])
+        print([name for name in ("can", "canopen", "yaml", "pydantic") if name in sys.modules])
     """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
