@@ -16,6 +16,7 @@ from canopen_twins.slave.slave import Slave
 
 EMCY_LENGTH, FIELD_LENGTH = 8, 5  # bytes: all of it, and the manufacturer-specific error field
 BIT_30 = 1 << 30
+COMMUNICATION = 0x11  # register: a generic error, one of communication (CiA 301, 7.5.2.2)
 
 Key = tuple[int, int]  # emergency error code, manufacturer-specific error field
 
@@ -105,6 +106,7 @@ def emcy_of(data: bytes) -> Emcy:
 class EmcyProducer(Service):
     """Tells every error once, keeps 0x1001 and 0x1003, and says when it is over.
 
+    Errors are those of the device, then those of its communication: see `Slave.errors`.
     While the node is stopped the objects follow at once and the messages wait; an error that has
     gone by then is not told any more.
     """
@@ -145,11 +147,17 @@ class EmcyProducer(Service):
 
     def publish(self) -> None:
         """Follow what is wrong, and tell how it differs from what was told."""
-        now = self._emergencies()
+        now = self._now()
         if now != self.log.active:
             self._follow(tuple(now))
         if self._sending and self.log.told != self.log.active:
             self._tell()
+
+    def _now(self) -> Sequence[Emcy]:
+        own, others = self._emergencies(), self.slave.errors
+        if not others:
+            return own
+        return (*own, *(Emcy(code, COMMUNICATION, label=why) for why, code in others.items()))
 
     def _follow(self, now: Sequence[Emcy]) -> None:
         before, self.log.active = self.log.active, now

@@ -37,6 +37,8 @@ class Slave(LocalNode):
         self.entries: dict[int, dict[int, Entry]] = {}
         self.on_communication_change: Callable[[], None] = lambda: None
         self.changes = 0  # of the communication area, for whoever has worked something out from it
+        self.errors: dict[str, int] = {}
+        """Errors of communication that last: emergency error codes, by what is wrong in words."""
         self.dummies: dict[int, int] = {}  # those the EDS allows, with their bits
         for index, item in od.indices.items():
             if index in DUMMY_TYPES:
