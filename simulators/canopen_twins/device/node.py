@@ -14,7 +14,7 @@ from canopen_twins.errors import UserError
 from canopen_twins.slave.emcy import EmcyLog, EmcyProducer
 from canopen_twins.slave.nmt import HeartbeatConsumer, HeartbeatProducer, Nmt, Reset
 from canopen_twins.slave.pdo import Sync
-from canopen_twins.slave.sdo_server import SdoServer
+from canopen_twins.slave.sdo_server import FurtherSdoServer, SdoServer
 from canopen_twins.slave.service import Handler, Heard, Service, State
 from canopen_twins.slave.slave import Slave
 from canopen_twins.slave.store import Store, recall
@@ -123,6 +123,7 @@ def _services(slave: Slave, device: Device, log: EmcyLog) -> Iterator[Service]:
     """Those that nobody but the bus asks for anything, in the order in which they speak."""
     yield HeartbeatConsumer(slave, device.on_heartbeat)
     yield SdoServer(slave)
+    yield from FurtherSdoServer.all(slave)
     yield Sync(slave)
     yield from device.pdos(slave)
     yield EmcyProducer(slave, log, lambda: device.emergencies, device.farewell)
