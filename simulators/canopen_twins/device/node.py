@@ -11,8 +11,14 @@ from canopen_twins.bus.wire import Outbox, Wire, through
 from canopen_twins.device.device import Device
 from canopen_twins.device.faults import Faults
 from canopen_twins.errors import UserError
-from canopen_twins.slave.emcy import EmcyLog, EmcyProducer
-from canopen_twins.slave.nmt import HeartbeatConsumer, HeartbeatProducer, Nmt, Reset
+from canopen_twins.slave.emcy import EmcyConsumer, EmcyLog, EmcyProducer
+from canopen_twins.slave.error_control import (
+    CommunicationErrors,
+    HeartbeatConsumer,
+    HeartbeatProducer,
+    NodeGuarding,
+)
+from canopen_twins.slave.nmt import Nmt, Reset
 from canopen_twins.slave.pdo import Sync
 from canopen_twins.slave.sdo_server import FurtherSdoServer, SdoServer
 from canopen_twins.slave.service import Handler, Heard, Service, State
@@ -43,7 +49,7 @@ class Stack:
         self._listeners = listeners
         self._nmt = Nmt(slave)
         self._heartbeat = HeartbeatProducer(slave)
-        self._services = [self._nmt, self._heartbeat, *_services(slave, device, log)]
+        self._services = [self._nmt, self._heartbeat, *_services(slave, device, log, self._nmt)]
         slave.on_communication_change = self._on_communication_change
         _bind(slave, device)
         for service in self._services:
@@ -59,6 +65,9 @@ class Stack:
         self._nmt.boot_up()
         self._heartbeat.start()
         self._announce(State.PRE_OPERATIONAL)
+        if self._nmt.starts_by_itself:
+            self._nmt.state = State.OPERATIONAL
+            self._announce(State.OPERATIONAL)
 
     def follow(self) -> None:
         """Enter the state the NMT master wants, then the one the device wants."""
@@ -119,14 +128,18 @@ def _bind(slave: Slave, device: Device) -> None:
     slave.bind(objects, type(device).__name__)
 
 
-def _services(slave: Slave, device: Device, log: EmcyLog) -> Iterator[Service]:
+def _services(slave: Slave, device: Device, log: EmcyLog, nmt: Nmt) -> Iterator[Service]:
     """Those that nobody but the bus asks for anything, in the order in which they speak."""
-    yield HeartbeatConsumer(slave, device.on_heartbeat)
+    errors = CommunicationErrors(slave, nmt)
+    yield errors
+    yield NodeGuarding(slave, errors)
+    yield HeartbeatConsumer(slave, errors, device.on_heartbeat)
     yield SdoServer(slave)
     yield from FurtherSdoServer.all(slave)
     yield Sync(slave)
     yield from device.pdos(slave)
     yield EmcyProducer(slave, log, lambda: device.emergencies, device.farewell)
+    yield EmcyConsumer(slave, device.on_emcy)
     yield Store(slave, device.memory, device.stored, device)
     yield from device.services(slave)
 

@@ -44,7 +44,7 @@ class Device(AnyDevice):
     """Every file has a class of its own: see `device_of`."""
 
     settings = Settings()
-    profile = Profile(block=True)
+    profile = Profile(block=True, longest_transfer=1 << 20, tells_bus_errors=True)
 
     @property
     def modules(self) -> Sequence[int] | None:
