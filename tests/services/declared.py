@@ -27,8 +27,9 @@ def record(index, *subs):
 
 
 def bench_of(folder, more="", old="", new="", node_id=5, **settings):
-    """A bench with the twin of such a file."""
+    """A bench with the twin of such a file; without a node id with the one of the file."""
     assert not old or old in BASE
     path = folder / "drive.eds"
     path.write_text(BASE.replace(old, new) + more, "ascii")
-    return Bench(str(path), node_id=node_id, **settings)
+    given = settings if node_id is None else {"node_id": node_id, **settings}
+    return Bench(str(path), **given)

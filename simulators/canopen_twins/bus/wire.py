@@ -141,8 +141,8 @@ class Wire(canopen.Network):
         self.put(Frame(can_id, bytes(data), remote, can_id not in STANDARD_IDS))
 
     def send_periodic(
-        self, can_id: int, data: Sequence[int], period: float, remote: bool = False
+        self, can_id: int, data: Sequence[int] | None, period: float, remote: bool = False
     ) -> Any:
         """What canopen calls to send again and again, every `period` seconds."""
-        frame = Frame(can_id, bytes(data), remote, can_id not in STANDARD_IDS)
+        frame = Frame(can_id, bytes(data or ()), remote, can_id not in STANDARD_IDS)
         return PeriodicFrame(self.clock, period, frame, self.put)

@@ -11,14 +11,15 @@ from functools import cache
 from pathlib import Path
 
 from canopen import ObjectDictionary
+from canopen.objectdictionary.datatypes import DOMAIN
 
-from canopen_twins.bus.identifiers import NODE_IDS
+from canopen_twins.bus.identifiers import NODE_IDS, UNCONFIGURED
 from canopen_twins.device.device import Device as AnyDevice
 from canopen_twins.device.settings import NodeSettings, setting
 from canopen_twins.devices.eds.network import Network
 from canopen_twins.errors import UserError
 from canopen_twins.slave.dictionary import dictionary, read
-from canopen_twins.slave.eds.reader import UNCONFIGURED, entries_of
+from canopen_twins.slave.eds.reader import entries_of
 from canopen_twins.slave.lss import LssSlave
 from canopen_twins.slave.object import Address
 from canopen_twins.slave.profile import Profile
@@ -66,9 +67,15 @@ class Device(AnyDevice):
         self.network = Network(self.memory, int(self.settings.node_id))
 
     def check(self) -> None:
-        """Raises `UserError` for a node id outside 1..127, and for modules that are no numbers."""
-        if self.settings.node_id not in NODE_IDS:
-            raise UserError(f"node id {self.settings.node_id} is not in 1..127")
+        """Look at node id and modules.
+
+        Raises:
+            UserError: a node id outside 1..127, but for 255 where LSS can set one; modules that are
+                no numbers.
+        """
+        node_id = self.settings.node_id
+        if node_id not in NODE_IDS and not (node_id == UNCONFIGURED and self._has_lss):
+            raise UserError(f"node id {node_id} is not in 1..127")
         _ = self.modules
 
     @property
@@ -96,12 +103,16 @@ class Device(AnyDevice):
             for index, item in self.dictionary().indices.items()
             if index >= 0x1000 and index not in COMMANDS
             for subindex, variable in entries_of(item).items()
-            if variable.writable and variable.readable
+            if variable.writable and variable.readable and variable.data_type != DOMAIN
         ]
+
+    @property
+    def _has_lss(self) -> bool:
+        return bool(dictionary(self.eds, 0).device_information.LSS_supported)
 
     def services(self, slave: Slave) -> Iterable[Service]:
         """LSS, if the file says so."""
-        if self.dictionary().device_information.LSS_supported:
+        if self._has_lss:
             yield LssSlave(slave, self.network)
 
 
@@ -125,7 +136,9 @@ def _device_of(path: Path, name: str, _: int) -> type[Device]:
         log.warning("%s", remark.told(name))
     told = file.dictionary.device_information
     words = " ".join(filter(None, (told.vendor_name, told.product_name)))
-    node_id = file.node_id if file.node_id not in {None, UNCONFIGURED} else DELIVERED
+    node_id = file.node_id or DELIVERED
+    if node_id == UNCONFIGURED and not told.LSS_supported:  # nobody could ever set one
+        node_id = DELIVERED
     return type(
         path.stem,
         (Device,),
