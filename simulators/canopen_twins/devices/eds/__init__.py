@@ -5,7 +5,7 @@ somebody sets it. Every service that the file declares is there.
 """
 
 import logging
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -20,6 +20,7 @@ from canopen_twins.devices.eds.network import Network
 from canopen_twins.errors import UserError
 from canopen_twins.slave.dictionary import dictionary, read
 from canopen_twins.slave.eds.reader import entries_of
+from canopen_twins.slave.emcy import Emcy
 from canopen_twins.slave.lss import LssSlave
 from canopen_twins.slave.object import Address
 from canopen_twins.slave.profile import Profile
@@ -65,6 +66,7 @@ class Device(AnyDevice):
     def make_model(self) -> None:
         """Where it is on the bus, as its memory has kept it."""
         self.network = Network(self.memory, int(self.settings.node_id))
+        self.heard: dict[int, Emcy] = {}
 
     def check(self) -> None:
         """Look at node id and modules.
@@ -109,6 +111,15 @@ class Device(AnyDevice):
     @property
     def _has_lss(self) -> bool:
         return bool(dictionary(self.eds, 0).device_information.LSS_supported)
+
+    def on_emcy(self, node_id: int, emcy: Emcy) -> None:
+        """The last one of each node is shown."""
+        self.heard[node_id] = emcy
+
+    @property
+    def report(self) -> Mapping[str, object]:
+        """What it has heard of others."""
+        return {f"EMCY of node {node_id}": f"{e.code:04X}h" for node_id, e in self.heard.items()}
 
     def services(self, slave: Slave) -> Iterable[Service]:
         """LSS, if the file says so."""
