@@ -125,14 +125,13 @@ def test_several_nodes_get_their_ids_one_after_the_other(tmp_path):
         path.mkdir()
         benches.append(new_node(path, more=IDENTITY.replace("0xFFFFFFFF", serial)))
     pair = Bench.of({name: bench.device for name, bench in zip("ab", benches, strict=True)})
-    lss = pair.master.lss
-    lss.RESPONSE_TIMEOUT = 0.0
-    for node_id in (7, 8):
-        assert lss.fast_scan()[0]
-        lss.configure_node_id(node_id)
-        lss.send_switch_state_global(lss.WAITING_STATE)
-    assert [frame for frame in pair.sent if frame.startswith("70")] == ["707#00", "708#00"]
-    assert lss.fast_scan() == (False, None)
+    for node_id, serial in ((7, "11"), (8, "12")):
+        pair.send("7E5#5100000000800000")
+        pair.send("7E5#5123010000000003")
+        assert pair.send(f"7E5#51{serial}000000000300") == [IDENTIFIED]
+        pair.send(f"7E5#11{node_id:02X}000000000000")
+        assert pair.send(WAIT) == [f"70{node_id}#00"]
+    assert pair.send("7E5#4C00000000000000") == []
 
 
 @pytest.mark.parametrize("identity", ["", record("1018", (U32, "0x123")), entry("1018", U32, 7)])
