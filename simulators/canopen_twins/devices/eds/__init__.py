@@ -47,6 +47,8 @@ class Device(AnyDevice):
 
     settings = Settings()
     profile = Profile(block=True, longest_transfer=1 << 20, tells_bus_errors=True)
+    version = 0
+    """When its file was changed, so that a file that was edited is read anew."""
 
     @property
     def modules(self) -> Sequence[int] | None:
@@ -95,7 +97,7 @@ class Device(AnyDevice):
 
     def dictionary(self) -> ObjectDictionary:
         """That of the file, with the modules that are plugged in."""
-        return dictionary(self.eds, self.node_id, self.modules)
+        return dictionary(self.eds, self.node_id, self.modules, self.version)
 
     @property
     def stored(self) -> Collection[Address]:
@@ -110,7 +112,7 @@ class Device(AnyDevice):
 
     @property
     def _has_lss(self) -> bool:
-        return bool(dictionary(self.eds, 0).device_information.LSS_supported)
+        return bool(dictionary(self.eds, 0, None, self.version).device_information.LSS_supported)
 
     def on_emcy(self, node_id: int, emcy: Emcy) -> None:
         """The last one of each node is shown."""
@@ -141,7 +143,7 @@ def device_of(path: Path) -> type[Device]:
 
 
 @cache
-def _device_of(path: Path, name: str, _: int) -> type[Device]:
+def _device_of(path: Path, name: str, version: int) -> type[Device]:
     file = read(str(path))
     for remark in file.remarks:
         log.warning("%s", remark.told(name))
@@ -157,6 +159,7 @@ def _device_of(path: Path, name: str, _: int) -> type[Device]:
             "__module__": __name__,
             "__doc__": f"The device of {name}.",
             "eds": str(path),
+            "version": version,
             "title": f"{words} ({name})" if words else name,
             "settings": Settings(node_id=node_id),
         },
