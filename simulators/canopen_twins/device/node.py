@@ -13,11 +13,12 @@ from canopen_twins.device.faults import Faults
 from canopen_twins.errors import UserError
 from canopen_twins.slave.emcy import EmcyLog, EmcyProducer
 from canopen_twins.slave.nmt import HeartbeatConsumer, HeartbeatProducer, Nmt, Reset
-from canopen_twins.slave.pdo import Sync
 from canopen_twins.slave.sdo_server import SdoServer
 from canopen_twins.slave.service import Handler, Heard, Service, State
 from canopen_twins.slave.slave import Slave
 from canopen_twins.slave.store import Store, recall
+from canopen_twins.slave.sync import Sync
+from canopen_twins.slave.time import Time
 
 
 class Stack:
@@ -45,6 +46,7 @@ class Stack:
         self._heartbeat = HeartbeatProducer(slave)
         self._services = [self._nmt, self._heartbeat, *_services(slave, device, log)]
         slave.on_communication_change = self._on_communication_change
+        slave.hear = self._hear
         _bind(slave, device)
         for service in self._services:
             slave.bind(service.objects)
@@ -92,6 +94,10 @@ class Stack:
             service.on_state(state)
         self._derive()
 
+    def _hear(self, frame: Frame) -> None:
+        for handle in self.routes.get((frame.can_id, frame.remote), ()):
+            handle(frame)
+
     def _on_communication_change(self) -> None:
         self.stale = True
 
@@ -124,6 +130,7 @@ def _services(slave: Slave, device: Device, log: EmcyLog) -> Iterator[Service]:
     yield HeartbeatConsumer(slave, device.on_heartbeat)
     yield SdoServer(slave)
     yield Sync(slave)
+    yield Time(slave)
     yield from device.pdos(slave)
     yield EmcyProducer(slave, log, lambda: device.emergencies, device.farewell)
     yield Store(slave, device.memory, device.stored, device)

@@ -36,6 +36,8 @@ class Slave(LocalNode):
         self.profile = profile or Profile()
         self.entries: dict[int, dict[int, Entry]] = {}
         self.on_communication_change: Callable[[], None] = lambda: None
+        self.hear: Callable[[Frame], None] = lambda frame: None
+        """What this node sends and hears itself as others do: its own SYNC."""
         self.changes = 0  # of the communication area, for whoever has worked something out from it
         self.errors: dict[str, int] = {}
         """Errors of communication that last: emergency error codes, by what is wrong in words."""
