@@ -5,11 +5,11 @@ Parts of a PDO follow each other without gaps, the lowest bit of the first byte 
 taken over or sent.
 """
 
-from collections.abc import Container, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from functools import partial
 from typing import NamedTuple
 
-from canopen.objectdictionary.datatypes import DOMAIN
+from canopen.objectdictionary.datatypes import DOMAIN, INTEGER_TYPES, UNSIGNED32
 
 from canopen_twins.bus import identifiers
 from canopen_twins.slave.eds.reader import DUMMY_TYPES
@@ -138,12 +138,17 @@ class Pdo(Service):
     @classmethod
     def numbers(cls, slave: Slave) -> Iterator[int]:
         """The PDOs of this kind that the dictionary has; each has both of its records."""
-        records = (cls.communication, COB_ID), (cls.mapping, 0)
-        return (
-            n + 1
-            for n in range(PDO_COUNT)
-            if all(slave.has(index + n, subindex) for index, subindex in records)
-        )
+        first = cls.communication
+        found = (n for n in range(PDO_COUNT) if first + n in slave.entries)
+        return (n + 1 for n in found if cls._has(slave, n))
+
+    @classmethod
+    def _has(cls, slave: Slave, place: int) -> bool:
+        record = slave.entries[cls.communication + place]
+        mapping = slave.entries.get(cls.mapping + place, {})
+        if COB_ID not in record or 0 not in mapping:
+            return False
+        return record[COB_ID].variable.data_type == UNSIGNED32 and _are_numbers(mapping.values())
 
     @classmethod
     def identifier(cls, slave: Slave, number: int) -> int | None:
@@ -252,6 +257,8 @@ class Pdo(Service):
             raise Rejected("a multiplexed PDO, which this node has none of")
         if count > max(self.slave.entries[self._mapping]):
             raise Rejected("more parts than the record has", Abort.PDO_TOO_LONG)
+        for subindex in range(1, count + 1):
+            self.slave.entry(self._mapping, subindex)  # a record may have gaps
         values = [self.slave.number(self._mapping, sub) for sub in range(1, count + 1)]
         for value in filter(None, values):
             self._check_mappable(value)
@@ -274,6 +281,10 @@ class Pdo(Service):
             raise Rejected(f"{value:08X}h is no dummy here", Abort.NO_OBJECT)
         if not 1 <= bits <= self.slave.dummies[index]:
             raise Rejected(f"{value:08X}h is longer than its type", Abort.NOT_MAPPABLE)
+
+
+def _are_numbers(entries: Iterable[Entry]) -> bool:
+    return all(entry.variable.data_type in INTEGER_TYPES for entry in entries)
 
 
 def _lengths(entry: Entry) -> range:

@@ -133,9 +133,9 @@ class EdsReader:
         objects, names = self._eds.dictionary.indices, self._eds.dictionary.names
         for index in (*RPDO, *TPDO):
             if index in objects and index + MAPPING not in objects:
-                item = objects.pop(index)
-                if names.get(item.name) is item:
-                    del names[item.name]
+                name = objects.pop(index).name
+                if name in names and names[name].index == index:
+                    del names[name]
 
     @property
     def _entries(self) -> dict[tuple[int, int], ODVariable]:
