@@ -117,6 +117,23 @@ def test_a_counter_changes_while_there_is_no_period_only(tmp_path):
     configure(bench, "605#2306100000000000", "605#2F1910000A000000")
 
 
+def test_what_is_stored_comes_back_whatever_is_fixed_by_then(tmp_path):
+    values = (U32, "0x185"), (U8, 1), (6, 0), (U8, 0), (6, 0), (U8, 0)
+    tpdo, store = record("1800", *values), record("1010", (U32, 1))
+    bench = bench_of(tmp_path, PRODUCER + overflow(0) + tpdo + store)
+    configure(
+        bench,
+        *("605#2305100080000000", "605#2305100090000000", "605#2306100000000000"),
+        *("605#2F19100003000000", "605#2306100050C30000", "605#2305100090000040"),
+        *("605#2300180185010080", "605#2B00180307000000", "605#2F00180602000000"),
+        *("605#2300180195010000", "605#2310100173617665"),
+    )
+    bench.send("000#8105")
+    bench.send("000#0105")
+    assert bench.run(0.1) == ["090#01", "090#02", "195#0900"]
+    assert bench.sdo[0x1800][3].raw == 7
+
+
 # What a node hears
 
 

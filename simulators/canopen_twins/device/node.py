@@ -58,6 +58,7 @@ class Stack:
 
     def boot_up(self) -> None:
         """Initialisation is over: say so and enter Pre-operational."""
+        self.slave.booted = True
         self._nmt.boot_up()
         self._heartbeat.start()
         self._announce(State.PRE_OPERATIONAL)

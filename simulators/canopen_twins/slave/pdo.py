@@ -133,7 +133,7 @@ class Pdo(Service):
         # RPDO: bit 30 is of no use there and stays as the EDS has it; strict: it has to be right
         self._fixed = 0 if self.sent else slave.number(self.record, COB_ID) & identifiers.NO_RTR
         self._adjust = None if slave.profile.strict_cob_id else self._adjust_cob_id
-        self._in_force = False  # until then stored values come back, in the order of the memory
+        self._begun = False
 
     @classmethod
     def numbers(cls, slave: Slave) -> Iterator[int]:
@@ -179,6 +179,11 @@ class Pdo(Service):
         return self.identifier(self.slave, self.number)
 
     @property
+    def _is_fixed(self) -> bool:
+        """Whether it exists, so that some of its record cannot be changed."""
+        return self.slave.booted and self.cob_id is not None
+
+    @property
     def transmission_type(self) -> int:
         """When data are taken over or sent (CiA 301, tables 70 and 72)."""
         has = self.slave.has(self.record, TRANSMISSION_TYPE)
@@ -189,8 +194,8 @@ class Pdo(Service):
 
         One whose file maps what is not there is off from the beginning.
         """
-        if not self._in_force:
-            self._in_force = True
+        if not self._begun:
+            self._begun = True
             self._begin()
         return carried(self.slave, self._mapping) if self.cob_id is not None else []
 
@@ -218,7 +223,7 @@ class Pdo(Service):
     def _check_cob_id(self, value: int) -> None:
         if self._fixed & ~value:
             raise Rejected("bit 30 of this RPDO is always 1")
-        if not self._in_force:
+        if not self.slave.booted:
             check_cob_id(value)
             return
         before = self.slave.number(self.record, COB_ID)
@@ -241,7 +246,7 @@ class Pdo(Service):
 
     def _check_mapping(self, subindex: int, value: int) -> None:
         """The procedure of CiA 301, 7.5.2.36: PDO off, count 0, entries, count."""
-        if not self._in_force:
+        if not self.slave.booted:
             return
         if self.cob_id is not None:
             raise Rejected("a mapping changes while its PDO is off", Abort.ACCESS)

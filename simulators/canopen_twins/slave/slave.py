@@ -33,6 +33,8 @@ class Slave(LocalNode):
         self.clock = clock  # a reset makes a fresh slave: the timers of this one end with it
         self.shut = False
         """Off the bus for a while: nothing goes out, nothing comes in. A service says so."""
+        self.booted = False
+        """Whether who writes is bound to an order; until then stored values come back, in any."""
         self.profile = profile or Profile()
         self.entries: dict[int, dict[int, Entry]] = {}
         self.on_communication_change: Callable[[], None] = lambda: None
