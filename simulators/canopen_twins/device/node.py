@@ -22,11 +22,12 @@ from canopen_twins.slave.error_control import (
 from canopen_twins.slave.lss import LssSlave
 from canopen_twins.slave.nmt import Nmt, Reset
 from canopen_twins.slave.object import Address
-from canopen_twins.slave.pdo import Sync
 from canopen_twins.slave.sdo_server import FurtherSdoServer, SdoServer
 from canopen_twins.slave.service import Handler, Heard, Service, State
 from canopen_twins.slave.slave import Slave
 from canopen_twins.slave.store import ConfigurationCheck, Store, StoredEds, recall
+from canopen_twins.slave.sync import Sync
+from canopen_twins.slave.time import Time
 
 
 class Stack:
@@ -60,6 +61,7 @@ class Stack:
         if slave.node_id == UNCONFIGURED:
             self._services = [each for each in self._services if isinstance(each, LssSlave)]
         slave.on_communication_change = self._on_communication_change
+        slave.hear = self._hear
         _bind(slave, device)
         recall(slave, device.memory, kept, area)  # it was checked when it was stored
         for service in self._services:
@@ -75,6 +77,7 @@ class Stack:
         if self.slave.node_id == UNCONFIGURED:
             self._derive()
             return
+        self.slave.booted = True
         self._nmt.boot_up()
         self._heartbeat.start()
         self._announce(State.PRE_OPERATIONAL)
@@ -116,6 +119,10 @@ class Stack:
             service.on_state(state)
         self._derive()
 
+    def _hear(self, frame: Frame) -> None:
+        for handle in self.routes.get((frame.can_id, frame.remote), ()):
+            handle(frame)
+
     def _on_communication_change(self) -> None:
         self.stale = True
 
@@ -154,6 +161,7 @@ def _services(
     yield SdoServer(slave)
     yield from FurtherSdoServer.all(slave)
     yield Sync(slave)
+    yield Time(slave)
     yield from device.pdos(slave)
     yield EmcyProducer(slave, log, lambda: device.emergencies, device.farewell)
     yield EmcyConsumer(slave, device.on_emcy)

@@ -35,9 +35,13 @@ class Slave(LocalNode):
         """Off the bus for a while: nothing goes out, nothing comes in. A service says so."""
         self.restart = False
         """Whether its communication has to be reset. A service says so."""
+        self.booted = False
+        """Whether who writes is bound to an order; until then stored values come back, in any."""
         self.profile = profile or Profile()
         self.entries: dict[int, dict[int, Entry]] = {}
         self.on_communication_change: Callable[[], None] = lambda: None
+        self.hear: Callable[[Frame], None] = lambda frame: None
+        """What this node sends and hears itself as others do: its own SYNC."""
         self.changes = 0  # of the communication area, for whoever has worked something out from it
         self.errors: dict[str, int] = {}
         """Errors of communication that last: emergency error codes, by what is wrong in words."""
