@@ -216,6 +216,12 @@ def test_after_the_synchronous_window_an_rpdo_is_discarded(tmp_path):
     assert bench.sdo[0x2000].raw == 4
 
 
+def test_a_synchronous_tpdo_is_within_the_window(tmp_path):
+    bench = bench_of(tmp_path, CONSUMER + entry("1007", U32, 1))
+    bench.send("000#0105")
+    assert [bench.send("080#") for _ in range(2)] == [["185#0900"]] * 2
+
+
 def test_a_node_that_sends_sync_drives_another(tmp_path):
     other = bench_of(tmp_path, CONSUMER).device
     bench = Bench.of({"producer": (str(FILE), 6), "consumer": (other.eds, 5)})
