@@ -77,7 +77,6 @@ class Stack:
         if self.slave.node_id == UNCONFIGURED:
             self._derive()
             return
-        self.slave.booted = True
         self._nmt.boot_up()
         self._heartbeat.start()
         self._announce(State.PRE_OPERATIONAL)
