@@ -132,6 +132,16 @@ class Probe(Device):
         raise KeyError("a bug in an object")
 
 
+class Fixed(Probe):
+    """RPDO 3 and TPDO 3 are on and map nothing, as their file has them."""
+
+    def dictionary(self):
+        od = super().dictionary()
+        for index, cob_id in ((0x1402, 0x405), (0x1802, 0x385)):
+            od[index][1].default = cob_id
+        return od
+
+
 def configure(bench, *requests):
     """Send SDO downloads; each must be accepted."""
     for request in requests:

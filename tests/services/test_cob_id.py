@@ -2,6 +2,7 @@ import pytest
 from probe import configure
 
 RPDO, TPDO, EMCY, SYNC = "001401", "001801", "141000", "051000"
+MAPPED, COUNTED = "605#2302160108000020", "605#2F02160001000000"  # of RPDO 3
 FREE = {RPDO: 0x205, TPDO: 0x185, EMCY: 0x85}
 OFF = 1 << 31
 RESTRICTED = [
@@ -80,14 +81,14 @@ def test_identifiers_have_eleven_bits(bench, multiplexer, bit, off):
 
 
 def test_bit_30_of_an_rpdo_stays_as_the_dictionary_has_it(bench):
-    configure(bench, write("021401", 0x405))
+    configure(bench, MAPPED, COUNTED, write("021401", 0x405))
     assert bench.send("605#4002140100000000") == ["585#4302140105040040"]
 
 
 def test_the_profile_says_whether_it_has_to_be_written_right(bench_of):
     bench = bench_of(strict_cob_id=True)
     assert is_refused(bench, "021401", 0x405)
-    configure(bench, write("021401", 0x405 | 1 << 30))
+    configure(bench, MAPPED, COUNTED, write("021401", 0x405 | 1 << 30))
 
 
 def test_bit_30_of_a_tpdo_changes_while_it_is_off_only(bench):

@@ -1,6 +1,7 @@
 import pytest
-from probe import configure
+from probe import Fixed, configure
 
+from canopen_twins import Bench
 from canopen_twins.slave.object import Abort
 
 WORD, DOUBLE, EIGHT, BYTE = 0x20010010, 0x20020020, 0x200A0040, 0x20000008
@@ -75,31 +76,43 @@ def test_a_pdo_carries_up_to_64_bits(bench, record):
 
 def test_more_objects_than_the_record_has_are_refused(bench, record):
     configure(bench, *(entry(record, sub, BYTE) for sub in (1, 2, 3)), count(record, 3))
-    for number in (4, 64, 254, 255):
+    for number in (4, 64, 253):
         assert is_refused(bench, count(record, number), Abort.PDO_TOO_LONG)
 
 
-def test_a_count_beyond_what_is_mapped_is_refused(bench, record):
-    configure(bench, entry(record, 1, BYTE))
-    assert is_refused(bench, count(record, 2), Abort.NO_OBJECT)
+@pytest.mark.parametrize("number", [254, 255])
+def test_a_multiplexed_pdo_is_refused(bench, record, number):
+    assert is_refused(bench, count(record, number), Abort.INVALID_VALUE)
+
+
+def test_an_unused_entry_takes_no_room(operational):
+    configure(
+        operational,
+        entry(SENT, 1, BYTE),
+        entry(SENT, 2, 0),
+        entry(SENT, 3, WORD),
+        count(SENT, 3),
+        "605#2302180185030000",
+    )
+    assert operational.send("385#R") == ["385#003412"]
 
 
 @pytest.mark.parametrize(("index", "cob_id"), [("1600", "0014"), ("1A00", "0018")])
 def test_a_mapping_changes_while_its_pdo_is_off_only(bench, index, cob_id):
-    assert is_refused(bench, count(index, 0), Abort.DEVICE_STATE)
-    assert is_refused(bench, entry(index, 1, BYTE), Abort.DEVICE_STATE)
+    assert is_refused(bench, count(index, 0), Abort.ACCESS)
+    assert is_refused(bench, entry(index, 1, BYTE), Abort.ACCESS)
     configure(bench, f"605#23{cob_id}0185010080", count(index, 0), entry(index, 1, BYTE))
 
 
-def test_a_mapping_of_nothing_changes_while_its_pdo_is_off_only(bench):
-    configure(bench, "605#2302140105040000")
-    assert is_refused(bench, entry(RECEIVED, 1, BYTE), Abort.DEVICE_STATE)
+def test_a_mapping_of_nothing_changes_while_its_pdo_is_off_only():
+    bench = Bench.of({"probe": Fixed()})
+    assert is_refused(bench, entry(RECEIVED, 1, BYTE), Abort.ACCESS)
 
 
 def test_an_object_changes_while_the_count_is_0_only(bench, record):
     configure(bench, entry(record, 1, BYTE), count(record, 1))
-    assert is_refused(bench, entry(record, 1, WORD), Abort.DEVICE_STATE)
-    assert is_refused(bench, entry(record, 2, WORD), Abort.DEVICE_STATE)
+    assert is_refused(bench, entry(record, 1, WORD), Abort.ACCESS)
+    assert is_refused(bench, entry(record, 2, WORD), Abort.ACCESS)
     configure(bench, count(record, 0), entry(record, 1, WORD))
 
 
@@ -109,10 +122,10 @@ def test_an_object_changes_while_the_count_is_0_only(bench, record):
         (0x2FFF0008, Abort.NO_OBJECT),
         (0x20000108, Abort.NO_SUBINDEX),
         (0x200B0018, Abort.NOT_MAPPABLE),  # an entry no PDO carries
-        (0x20000010, Abort.NOT_MAPPABLE),  # another length
-        (0x20010008, Abort.NOT_MAPPABLE),
-        (0x20000001, Abort.NOT_MAPPABLE),
-        (0x20050020, Abort.NOT_MAPPABLE),  # no length of its own
+        (0x20000009, Abort.NOT_MAPPABLE),  # longer than it is
+        (0x20010011, Abort.NOT_MAPPABLE),
+        (0x20000000, Abort.NOT_MAPPABLE),  # no length at all
+        (0x20050020, Abort.NOT_MAPPABLE),  # not by its file
         (0x20060008, Abort.NOT_MAPPABLE),
     ],
 )
@@ -155,10 +168,23 @@ def test_a_dummy_fills_a_gap_of_an_rpdo(operational):
 
 
 @pytest.mark.parametrize(
-    "value", [0x00070020, 0x00010001, 0x00060008, 0x00060110], ids="{:08X}".format
+    "value", [0x00070020, 0x00010001, 0x00080020, 0x00060110], ids="{:08X}".format
 )
-def test_a_dummy_is_one_of_the_eds_and_has_its_length(bench, value):
+def test_a_dummy_is_one_of_the_eds(bench, value):
     assert is_refused(bench, entry(RECEIVED, 1, value), Abort.NO_OBJECT)
+
+
+def test_a_dummy_is_not_longer_than_its_type(bench):
+    assert is_refused(bench, entry(RECEIVED, 1, 0x00060011), Abort.NOT_MAPPABLE)
+    configure(bench, entry(RECEIVED, 1, 0x0006000F))
+
+
+@pytest.mark.parametrize(("record", "pdo"), [(RECEIVED, "1402"), (SENT, "1802")])
+def test_a_pdo_comes_into_being_with_a_mapping_only(bench, record, pdo):
+    cob_id = {"1402": 0x40000405, "1802": 0x385}[pdo]
+    assert is_refused(bench, entry(pdo, 1, cob_id), Abort.INVALID_VALUE)
+    configure(bench, entry(record, 1, BYTE), entry(record, 2, 0), count(record, 2))
+    configure(bench, entry(pdo, 1, cob_id))
 
 
 def test_a_dummy_cannot_be_sent(bench):

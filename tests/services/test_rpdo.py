@@ -1,5 +1,7 @@
 import pytest
-from probe import configure
+from probe import Fixed, configure
+
+from canopen_twins import Bench
 
 NOW, AT_SYNC = "205#", "305#"  # RPDO 1: Byte, Word; RPDO 2: Double word, type 1
 SYNC = "080#"
@@ -151,8 +153,9 @@ def test_what_waits_for_a_sync_stays_when_something_else_changes(operational):
     assert values(operational)[2] == 1
 
 
-def test_a_pdo_with_nothing_mapped_takes_any_frame_without_effect(operational):
-    configure(operational, "605#2302140105040000")
+def test_a_pdo_with_nothing_mapped_takes_any_frame_without_effect():
+    operational = Bench.of({"probe": Fixed()})
+    operational.send("000#0105")
     for frame in ("405#", "405#0102030405060708"):
         assert operational.send(frame) == []
     assert told(operational) == []

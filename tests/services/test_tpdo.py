@@ -1,5 +1,7 @@
 import pytest
-from probe import configure
+from probe import Fixed, configure
+
+from canopen_twins import Bench
 
 SYNC = "080#"
 TPDO_1, TPDO_2 = "185#", "285#"  # Level, Byte, type 254; Double word, type 1
@@ -156,9 +158,10 @@ def test_a_tpdo_that_does_not_exist_sends_nothing(operational):
 
 @pytest.mark.spec("T-147")
 @pytest.mark.parametrize("kind", [0, 1, 252, 253, 254])
-def test_a_tpdo_with_nothing_mapped_sends_nothing(operational, kind):
+def test_a_tpdo_with_nothing_mapped_sends_nothing(kind):
+    operational = Bench.of({"probe": Fixed()})
+    operational.send("000#0105")
     set_type(operational, 3, kind)
-    configure(operational, "605#2302180185030000")
     assert [operational.send(frame) for frame in (SYNC, "385#R", "000#8005", "000#0105")][:3] == [
         [TPDO_2 + "00000000"],
         [],

@@ -58,7 +58,8 @@ def test_a_pdo_without_mapping_is_never_sent(operational, reasons):
 
 def test_a_pdo_that_may_not_be_asked_for_is_not(bench, reasons):
     bench.send("000#0105")
-    (told,) = reasons(bench, "605#2302180185030040", "385#R")
+    mapped = ("605#23021A0108000020", "605#2F021A0001000000")
+    (told,) = reasons(bench, *mapped, "605#2302180185030040", "385#R")
     assert told.startswith("385#R TPDO3 not sent: bit 30 of ")
 
 

@@ -7,10 +7,11 @@ from canopen_twins.device.settings import NodeSettings, setting
 from canopen_twins.slave.emcy import Emcy, Farewell
 from canopen_twins.slave.memory import Memory
 from canopen_twins.slave.object import Abort, Address, Object, Rejected, Value
-from canopen_twins.slave.pdo import Rpdo, Tpdo
 from canopen_twins.slave.profile import Profile
+from canopen_twins.slave.rpdo import Rpdo
 from canopen_twins.slave.service import Service, State
 from canopen_twins.slave.slave import Slave
+from canopen_twins.slave.tpdo import Tpdo
 
 __all__ = [
     "Abort",

@@ -18,10 +18,11 @@ from canopen_twins.slave.dictionary import dictionary
 from canopen_twins.slave.emcy import Emcy, Farewell, when_all_are_gone
 from canopen_twins.slave.memory import Memory
 from canopen_twins.slave.object import Address, Object, Rejected
-from canopen_twins.slave.pdo import Rpdo, Tpdo
 from canopen_twins.slave.profile import Profile
+from canopen_twins.slave.rpdo import Rpdo
 from canopen_twins.slave.service import Service, State
 from canopen_twins.slave.slave import Slave
+from canopen_twins.slave.tpdo import Tpdo
 
 
 class EmcyMessage(NamedTuple):
@@ -199,6 +200,9 @@ class Device:
 
     def on_heartbeat(self, node_id: int, alive: bool) -> None:
         """A node that 0x1016 watches has fallen silent, or is back."""
+
+    def on_emcy(self, node_id: int, emcy: Emcy) -> None:
+        """A node that 0x1028 names has told an emergency."""
 
     def on_rpdo_refused(self, number: int, refusal: Rejected) -> None:
         """An RPDO was too short, or brought a value that an object refused."""

@@ -13,8 +13,10 @@ from canopen_twins.slave.dictionary import address_text
 from canopen_twins.slave.emcy import Emcy, emcy_of
 from canopen_twins.slave.nmt import RESETS, STATE_BYTE, TARGET
 from canopen_twins.slave.object import Entry, Rejected
-from canopen_twins.slave.pdo import Pdo, Rpdo, Tpdo, carried
+from canopen_twins.slave.pdo import Pdo, carried
+from canopen_twins.slave.rpdo import Rpdo
 from canopen_twins.slave.slave import Slave
+from canopen_twins.slave.tpdo import Tpdo
 
 COMMANDS: Mapping[int, str] = {
     **{command: state.lower() for command, state in TARGET.items()},
@@ -97,9 +99,9 @@ def _pdo(frame: Frame, slave: Slave, kind: type[Pdo], number: int) -> str:
     if frame.remote:
         return f"{name} requested"
     values = [
-        f"{entry.variable.name} = {entry.unpack(frame.data[part])}"
-        for entry, _, part in carried(slave, kind.mapping + number - 1)
-        if entry is not None and part.stop <= len(frame.data)
+        f"{part.entry.variable.name} = {part.entry.unpack(part.value(frame.data))}"
+        for part in carried(slave, kind.mapping + number - 1)
+        if part.entry is not None and part.end <= 8 * len(frame.data)
     ]
     return f"{name} {', '.join(values)}"
 

@@ -11,9 +11,11 @@ from canopen_twins.diagnosis.view import View
 from canopen_twins.slave.emcy import emcy_id
 from canopen_twins.slave.nmt import ALL_NODES, TARGET
 from canopen_twins.slave.object import Address, Entry, Rejected
-from canopen_twins.slave.pdo import COB_ID, SYNCHRONOUS, TRANSMISSION_TYPE, Rpdo, Tpdo, carried
+from canopen_twins.slave.pdo import COB_ID, SYNCHRONOUS, TRANSMISSION_TYPE, carried
+from canopen_twins.slave.rpdo import Rpdo
 from canopen_twins.slave.service import State
 from canopen_twins.slave.slave import Slave
+from canopen_twins.slave.tpdo import Tpdo
 
 ON_REQUEST = (252, 253)  # transmission types
 COMMAND_LENGTH = 2

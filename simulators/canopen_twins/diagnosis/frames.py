@@ -14,9 +14,11 @@ from canopen_twins.diagnosis.view import Line, Strike, View, in_brackets
 from canopen_twins.slave.emcy import Emcy, emcy_id, emcy_of
 from canopen_twins.slave.nmt import ALL_NODES, RESETS, TARGET, Nmt
 from canopen_twins.slave.object import Address, Rejected
-from canopen_twins.slave.pdo import COB_ID, Pdo, Rpdo, Tpdo, carried
+from canopen_twins.slave.pdo import COB_ID, Pdo, carried, length
+from canopen_twins.slave.rpdo import Rpdo
 from canopen_twins.slave.sdo_server import SdoServer
 from canopen_twins.slave.slave import Slave
+from canopen_twins.slave.tpdo import Tpdo
 
 MULTIPLEXER = slice(6, 12)  # of the text of a frame
 
@@ -186,15 +188,16 @@ def _not_sent(view: View, slave: Slave, number: int, record: Record, until: floa
 def _not_taken(view: View, slave: Slave, number: int, record: Record, until: float) -> str:
     """Data may be too few, refused by an object, or of no use at this moment."""
     parts, data = carried(slave, Rpdo.mapping + number - 1), record.frame.data
-    length = sum(each.size for each in parts)
-    if len(data) < length:
-        return f"not taken: {len(data)} of {length} bytes{view.service('pdo')}"
+    if len(data) < length(parts):
+        return f"not taken: {len(data)} of {length(parts)} bytes{view.service('pdo')}"
     logged = view.refusal(record.frame, record.time, until)
     if logged is not None and logged.address is not None:
         return f"refused: {logged.words}, {view.named(logged.address)}"
-    for entry, _, part in parts:
-        acts = None if entry is None else entry.obstacle
-        if entry is not None and acts is not None and (obstacle := acts(entry.unpack(data[part]))):
+    for part in parts:
+        entry = part.entry
+        if entry is None or entry.obstacle is None:
+            continue
+        if obstacle := entry.obstacle(entry.unpack(part.value(data))):
             return f"without effect: {obstacle}, {view.named(entry.address)}"
     return ""
 

@@ -25,8 +25,8 @@ from canopen_twins.faults.disturbance import (
 )
 from canopen_twins.slave.emcy import FIELD_LENGTH, Emcy, emcy_data, emcy_id
 from canopen_twins.slave.nmt import BOOT_UP
-from canopen_twins.slave.pdo import Tpdo
 from canopen_twins.slave.service import State
+from canopen_twins.slave.tpdo import Tpdo
 
 TPDO = {"number": Parameter("which TPDO, counted from 1; 0: all of them", 0, int, low=0, high=512)}
 

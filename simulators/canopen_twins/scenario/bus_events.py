@@ -10,7 +10,7 @@ from canopen_twins.bus.clock import Clock
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.sdo import Address, Ccs, Scs, Sub
 from canopen_twins.device.node import Node
-from canopen_twins.slave.pdo import COB_ID, carried
+from canopen_twins.slave.pdo import COB_ID, Mapped, carried
 from canopen_twins.slave.service import State
 from canopen_twins.slave.slave import Slave
 
@@ -150,7 +150,7 @@ class BusEvents:
 
 RPDOS, MAPPING = range(0x1400, 0x1600), 0x0200  # and the distance to a mapping record
 
-Slices = list[tuple[Address, slice]]
+Parts = list[tuple[Address, Mapped]]
 
 
 class MasterWrites:
@@ -163,7 +163,7 @@ class MasterWrites:
         self._node = node
         self._downloads = Downloads()
         self._version: tuple[Slave, int] | None = None
-        self._rpdos: Mapping[int, Slices] = {}
+        self._rpdos: Mapping[int, Parts] = {}
 
     def follow(self, sent: Sent) -> Iterator[Wrote]:
         """Take a frame; what has been written with it."""
@@ -188,20 +188,20 @@ class MasterWrites:
             self._version = version
             self._rpdos = {} if slave is None else _rpdos(slave)
         for address, part in self._rpdos.get(frame.can_id, ()):
-            if part.stop <= len(frame.data):
-                yield Wrote(self._node, address, frame.data[part])
+            if part.end <= 8 * len(frame.data):
+                yield Wrote(self._node, address, part.value(frame.data))
 
 
-def _rpdos(slave: Slave) -> Mapping[int, Slices]:
+def _rpdos(slave: Slave) -> Mapping[int, Parts]:
     """What every RPDO that is on brings, by its identifier."""
-    rpdos: dict[int, Slices] = {}
+    rpdos: dict[int, Parts] = {}
     for index in RPDOS:
         if slave.has(index, COB_ID) and slave.has(index + MAPPING):
             cob_id = slave.number(index, COB_ID)
             if not cob_id & identifiers.INVALID:
                 parts = carried(slave, index + MAPPING)
                 rpdos.setdefault(cob_id & identifiers.CAN_ID, []).extend(
-                    (entry.address, part) for entry, _, part in parts if entry is not None
+                    (part.entry.address, part) for part in parts if part.entry is not None
                 )
     return rpdos
 

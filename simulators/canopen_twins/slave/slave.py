@@ -33,10 +33,16 @@ class Slave(LocalNode):
         self.clock = clock  # a reset makes a fresh slave: the timers of this one end with it
         self.shut = False
         """Off the bus for a while: nothing goes out, nothing comes in. A service says so."""
+        self.restart = False
+        """Whether its communication has to be reset. A service says so."""
         self.profile = profile or Profile()
         self.entries: dict[int, dict[int, Entry]] = {}
         self.on_communication_change: Callable[[], None] = lambda: None
+        self.hear: Callable[[Frame], None] = lambda frame: None
+        """What this node sends and hears itself as others do: its own SYNC."""
         self.changes = 0  # of the communication area, for whoever has worked something out from it
+        self.errors: dict[str, int] = {}
+        """Errors of communication that last: emergency error codes, by what is wrong in words."""
         self.dummies: dict[int, int] = {}  # those the EDS allows, with their bits
         for index, item in od.indices.items():
             if index in DUMMY_TYPES:
@@ -86,8 +92,9 @@ class Slave(LocalNode):
         return subindex in self.entries.get(index, ())
 
     def number(self, index: int, subindex: int = 0) -> int:
-        """The value of an entry that is a number."""
-        return int(self.entries[index][subindex].unpack(self.entries[index][subindex].read()))
+        """The value of an entry that is a number, 0 of one that its file has as something else."""
+        value = self.entries[index][subindex].unpack(self.entries[index][subindex].read())
+        return int(value) if isinstance(value, int) else 0
 
     def write(self, entry: Entry, data: bytes) -> None:
         """Take a value over, whoever it comes from.

@@ -62,6 +62,7 @@ def profile(settings: Settings) -> Profile:
         tpdo_on_change=settings.tpdo_on_change,
         store_signature=settings.signature == "cia301",
         restore_at_once=True,
+        rpdo_emcy=False,
     )
 
 

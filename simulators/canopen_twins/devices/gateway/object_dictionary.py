@@ -37,6 +37,7 @@ PROFILE = Profile(
     literal_commands=True,
     length_before_access=True,
     heartbeat_period=heartbeat_period,
+    rpdo_emcy=False,
 )
 
 

@@ -76,6 +76,7 @@ def profile(settings: Settings) -> Profile:
         tpdo_types=frozenset({*range(1, 241), 252, 253}),  # Tab. 36
         no_history_code=Abort.NO_DATA if settings.empty_1003 == "abort" else None,
         strict_cob_id=settings.strict_cobid,
+        rpdo_emcy=False,
     )
 
 

@@ -15,10 +15,11 @@ from canopen import ObjectDictionary
 from canopen.objectdictionary import ODArray, ODRecord, ODVariable
 from canopen.objectdictionary.datatypes import DATA_TYPES, DOMAIN, UNSIGNED8
 
+from canopen_twins.bus.identifiers import UNCONFIGURED
 from canopen_twins.errors import UserError
 from canopen_twins.files.sections import Field, Remark, Section, Sections, read_sections
 from canopen_twins.slave.eds import values, xdd
-from canopen_twins.slave.eds.check import check
+from canopen_twins.slave.eds.check import MAPPING, RPDO, TPDO, check
 from canopen_twins.slave.eds.short_forms import add_compact_pdos, add_modules
 
 NULL, DOMAIN_OBJECT, DEFTYPE, DEFSTRUCT, VAR, ARRAY, RECORD = 0, 2, 5, 6, 7, 8, 9
@@ -34,7 +35,6 @@ KNOWN_TYPES = {*ODVariable.STRUCT_TYPES, *DATA_TYPES, *values.TIMES}
 ACCESS = {"r": "ro", "w": "wo", "read": "ro", "write": "wo", "readonly": "ro", "read/write": "rw"}
 KNOWN_ACCESS = ("ro", "wo", "rw", "rwr", "rww", "const")
 BIT_RATES = (10, 20, 50, 125, 250, 500, 800, 1000)  # kbit/s
-UNCONFIGURED = 255
 MOST_LINES = 10_000  # of a comment
 HIGHEST_SUB = 0xFE
 LIMITS = {"LowLimit": "min", "HighLimit": "max"}
@@ -124,8 +124,18 @@ class EdsReader:
             if index not in DUMMY_TYPES:
                 self._read_object(index)
         self._eds.remarks += check(self._sections, self.objects, self._entries)
+        self._leave_out_pdos_without_mapping()
         self._eds.remarks.sort(key=lambda remark: remark.line)
         return self._eds
+
+    def _leave_out_pdos_without_mapping(self) -> None:
+        """There is no such PDO; canopen looks for the mapping of every one there is."""
+        objects, names = self._eds.dictionary.indices, self._eds.dictionary.names
+        for index in (*RPDO, *TPDO):
+            if index in objects and index + MAPPING not in objects:
+                name = objects.pop(index).name
+                if name in names and names[name].index == index:
+                    del names[name]
 
     @property
     def _entries(self) -> dict[tuple[int, int], ODVariable]:
