@@ -179,9 +179,9 @@ class Node:
         if self.powered:
             return
         self.device.complete()
+        self._catch_up()
         self.powered = True
         self._stepped = self.clock.ticks
-        self.device.make_model()
         self.device.power_on()
         self.faults.renew(self.device.faults)
         self._settle()
@@ -190,6 +190,7 @@ class Node:
         """Switch the supply off: what is not in the memory is lost."""
         if not self.powered:
             return
+        self._catch_up()
         self._fall_silent()
         self._afresh = True
         self.device.power_off()
@@ -198,8 +199,7 @@ class Node:
 
     def look(self) -> Device:
         """The device as it is at this moment: time has passed for it, and nothing is sent."""
-        if self.powered:
-            self._catch_up()
+        self._catch_up()
         return self.device
 
     def receive(self, frame: Frame) -> None:
@@ -250,7 +250,8 @@ class Node:
         if elapsed >= self._cycle:
             elapsed -= elapsed % self._cycle
             self._stepped += elapsed
-            self.device.step(elapsed / MICROSECONDS)
+            step = self.device.step if self.powered else self.device.step_unpowered
+            step(elapsed / MICROSECONDS)
 
     def _settle(self) -> None:
         self._follow()
