@@ -43,7 +43,8 @@ class Stack:
         self._listeners = listeners
         self._nmt = Nmt(slave)
         self._heartbeat = HeartbeatProducer(slave)
-        self._services = [self._nmt, self._heartbeat, *_services(slave, device, log)]
+        self._emcy = EmcyProducer(slave, log, lambda: device.emergencies, device.farewell)
+        self._services = [self._nmt, self._heartbeat, *_services(slave, device, self._emcy)]
         slave.on_communication_change = self._on_communication_change
         _bind(slave, device)
         for service in self._services:
@@ -68,6 +69,10 @@ class Stack:
         if own is not None and own is not self.state:
             self._nmt.state = own
             self._announce(own)
+
+    def tell(self) -> None:
+        """Tell what is wrong before the next handler of a frame may end it."""
+        self._emcy.publish()
 
     def publish(self) -> None:
         """Follow what has been changed in the communication area, then send what is new."""
@@ -119,13 +124,13 @@ def _bind(slave: Slave, device: Device) -> None:
     slave.bind(objects, type(device).__name__)
 
 
-def _services(slave: Slave, device: Device, log: EmcyLog) -> Iterator[Service]:
+def _services(slave: Slave, device: Device, emcy: EmcyProducer) -> Iterator[Service]:
     """Those that nobody but the bus asks for anything, in the order in which they speak."""
     yield HeartbeatConsumer(slave, device.on_heartbeat)
     yield SdoServer(slave)
     yield Sync(slave)
     yield from device.pdos(slave)
-    yield EmcyProducer(slave, log, lambda: device.emergencies, device.farewell)
+    yield emcy
     yield Store(slave, device.memory, device.stored, device)
     yield from device.services(slave)
 
@@ -223,7 +228,10 @@ class Node:
     def _act_on(self, frame: Frame, handlers: Sequence[Handler]) -> None:
         self._catch_up()
         self.device.on_frame()
-        for handle in handlers:
+        handlers[0](frame)
+        for handle in handlers[1:]:
+            if self._stack is not None:
+                self._stack.tell()
             handle(frame)
         self._settle()
 

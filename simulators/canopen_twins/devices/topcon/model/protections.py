@@ -35,6 +35,8 @@ class Protection(NamedTuple):
     condition: Condition
     delay: float = 0.0  # s
     armed: Condition = lambda _: True
+    stays: Condition = lambda _: False
+    """What keeps the error once it is there, beside its condition."""
 
 
 class Rail(NamedTuple):
@@ -67,18 +69,18 @@ RAILS = {  # Tab. 69
 
 def mains_low(plant: Plant) -> bool:
     """The lower end of the range."""
-    return plant.mains < MAINS_LOW
+    return plant.line_voltage < MAINS_LOW
 
 
 def mains_high(plant: Plant) -> bool:
     """The upper end of the range."""
-    return plant.mains > MAINS_HIGH
+    return plant.line_voltage > MAINS_HIGH
 
 
 def mains_jumped(plant: Plant) -> bool:
     """Up or down; what was there before power-on is no jump."""
-    jump = abs(plant.mains - plant.mains_before)
-    return plant.ticks > 1 and jump > TRANSIENT * plant.mains_before
+    jump = abs(plant.line_voltage - plant.line_voltage_before)
+    return plant.ticks > 1 and jump > TRANSIENT * plant.line_voltage_before
 
 
 def above_voltage_level(plant: Plant) -> bool:
@@ -97,6 +99,33 @@ def above_derated_current(plant: Plant) -> bool:
     """Only for a moment in normal operation, as the current limit follows the temperature."""
     warm = plant.running and plant.heat.temperature > WARM
     return warm and plant.circuit.current > DERATED_MARGIN * plant.derated_maximum
+
+
+def above_sink_level(plant: Plant) -> bool:
+    """The level of 7.3.15 for the current that a Q4 unit takes in."""
+    hair = HAIR * plant.unit.maximum_current
+    return _sinks(plant) and plant.circuit.current < -plant.overcurrent_level - hair
+
+
+def above_derated_sink(plant: Plant) -> bool:
+    """As for the current that it gives."""
+    warm = _sinks(plant) and plant.heat.temperature > WARM
+    derated = plant.heat.derating * plant.unit.sink_current
+    return warm and plant.circuit.current < -DERATED_MARGIN * derated
+
+
+def _sinks(plant: Plant) -> bool:
+    return plant.running and plant.unit.sink_current > 0.0
+
+
+def too_hot(plant: Plant) -> bool:
+    """The heat sink at its limit."""
+    return plant.heat.temperature >= HOT
+
+
+def still_hot(plant: Plant) -> bool:
+    """It has to cool down before a reset helps."""
+    return plant.heat.temperature > HOT - plant.cooldown
 
 
 def sense_differs(plant: Plant) -> bool:
@@ -140,7 +169,9 @@ def protections(unit: UnitType) -> Iterator[Protection]:
     yield Protection(0x21, above_current_level, unit.overcurrent_delay)  # Tab. 67
     yield Protection(0x25, above_derated_current, DERATED_DELAY)
     yield Protection(0x20, lambda plant: plant.store.charge >= unit.i2t_limit)
-    yield Protection(0x51, lambda plant: plant.heat.temperature >= HOT)  # Tab. 71
+    yield Protection(0x29, above_sink_level, unit.overcurrent_delay)
+    yield Protection(0x2A, above_derated_sink, DERATED_DELAY)
+    yield Protection(0x51, too_hot, stays=still_hot)  # Tab. 71
     yield Protection(0x31, sense_differs)  # Tab. 70
     yield Protection(0x33, sense_negative)
     yield from IBC if unit.regenerative else DC_LINK
@@ -158,7 +189,7 @@ def warns(plant: Plant) -> bool:
         or plant.store.charge >= unit.i2t_limit / 2
         or plant.circuit.voltage > plant.overvoltage_warning
         or (plant.running and current > plant.overcurrent_warning)
-        or not MAINS_LOW * (1 + NEAR) <= plant.mains <= MAINS_HIGH * (1 - NEAR)
+        or not MAINS_LOW * (1 + NEAR) <= plant.line_voltage <= MAINS_HIGH * (1 - NEAR)
     )
 
 
@@ -191,7 +222,8 @@ class Watch:
 
     def persists(self, error: int, plant: Plant) -> bool:
         """Whether the cause of an error is still there."""
-        return any(row.error == error and row.condition(plant) for row in self._rows)
+        rows = (row for row in self._rows if row.error == error)
+        return any(row.condition(plant) or row.stays(plant) for row in rows)
 
 
 class Latches:
