@@ -140,8 +140,8 @@ def _supply(device: Device, supplies: Mapping[str, float]) -> None:
 
 def _feed(device: Device, volts: float, hertz: float, seconds: float) -> None:
     stage = device.stage
-    stage.mains, stage.mains_frequency = volts, hertz
     stage.mains_slew = abs(volts - stage.line_voltage) / seconds if seconds else inf
+    stage.mains, stage.mains_frequency = volts, hertz
 
 
 def _mains(volts: float) -> float:

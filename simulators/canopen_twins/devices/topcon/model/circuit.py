@@ -18,8 +18,8 @@ SLOPE_1 = 1.6  # s from zero to full scale at slope 1, by Regatron's DLL header
 AGES = 1e9  # s: one implicit step of this length ends in the steady state
 STILL = 1e-9  # of full scale per step: slow enough to ask where it will end
 ARRIVED = 1e-6  # of full scale: 0.004 parts, nobody can see the rest of the way
-GLIDING = 1e-3  # of full scale per second: nothing but a stored charge moves so slowly
-STRIDE = 1e-5  # of full scale: as far as it may get in one step then
+GLIDING = 1e-2  # of full scale per second: nothing but a stored charge moves so slowly
+STRIDE = 1e-4  # of full scale: as far as it may get in one step then
 LONGEST = 60.0  # s: the longest such step
 
 

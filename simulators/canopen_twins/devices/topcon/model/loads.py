@@ -217,12 +217,18 @@ def parse_load(text: str) -> Load:
         raise ValueError(f"no load is called {word!r}{hint}: {', '.join(LOADS)}")
     kind = LOADS[word]
     try:
-        values = {part.name: _take(part, rest) for part in fields(kind)}
+        named_first = sorted(fields(kind), key=_has_a_place)
+        values = {part.name: _take(part, rest) for part in named_first}
         if rest:
             raise ValueError(f"{' '.join(rest)!r} is too much")
     except ValueError as refusal:
         raise ValueError(f"load {text!r}: {refusal}, write {_usage(kind)!r}") from None
     return kind(**values)
+
+
+def _has_a_place(part: "Field[Any]") -> bool:
+    """Whether a value is known by where it stands, not by its name."""
+    return part.type is not bool and bool(part.metadata["unit"])
 
 
 def _take(part: "Field[Any]", rest: list[str]) -> Any:
@@ -233,21 +239,17 @@ def _take(part: "Field[Any]", rest: list[str]) -> Any:
             rest.remove(part.name)
         return given
     unit, name = part.metadata["unit"], f"{part.name}="
-    at = (
-        0
-        if unit
-        else next((at for at, word in enumerate(rest) if word.startswith(name)), len(rest))
-    )
-    word = rest[at] if at < len(rest) else ""
+    named = [word for word in rest if word.startswith(name)]
+    word = next(iter(rest if unit else named), "")
     try:
         value = float(word.removeprefix(name).removesuffix(unit))
     except ValueError:
-        if part.default is not MISSING and not word.startswith(name):
+        if part.default is not MISSING and not named:
             return part.default
         raise ValueError(f"{part.name} is not a number") from None
-    del rest[at]
-    if unit and rest[at : at + 1] == [unit]:
-        del rest[at]
+    rest.remove(word)
+    if unit and rest[:1] == [unit]:
+        del rest[0]
     return value
 
 

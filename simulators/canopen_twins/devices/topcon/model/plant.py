@@ -87,7 +87,7 @@ class Plant(Inputs):
         self.ticks = 0
         self.ramps = Ramps(self.unit)
         self.store = I2tStore(self.unit)
-        self.line_voltage = self.line_voltage_before = self.mains
+        self._line_voltage = self.line_voltage_before = self.mains
 
     def drain(self, dt: float) -> None:
         """Let `dt` seconds pass without supply, of any length."""
@@ -122,6 +122,11 @@ class Plant(Inputs):
     def power(self) -> float:
         """W, from the two before any rounding (7.3.12)."""
         return self.voltage * self.current
+
+    @property
+    def line_voltage(self) -> float:
+        """V between the lines of the mains at this moment."""
+        return self.mains if self.mains_slew == inf else self._line_voltage
 
     @property
     def temperature(self) -> float:
@@ -172,12 +177,10 @@ class Plant(Inputs):
         self.heat.step(ticks * self.tick, self.loss, self.ambient)
         self.store.step(ticks * self.tick, self.circuit.current)
         self.ticks += ticks
-        if self.line_voltage != self.mains:
+        if self._line_voltage != self.mains:
             reach = self.mains_slew * ticks * self.tick
-            way = self.mains - self.line_voltage
-            self.line_voltage = (
-                self.mains if abs(way) <= reach else self.line_voltage + copysign(reach, way)
-            )
+            way = self.mains - self._line_voltage
+            self._line_voltage += copysign(min(abs(way), reach), way)
 
     def _law(self, dt: float) -> Law:
         self.ramps.step(dt, self.voltage_reference, self.current_reference)
