@@ -164,3 +164,17 @@ def test_errors_held_back_in_stopped_carry_the_register_of_the_moment_they_are_t
     topcon.inject("lasting_error", number=0x50)
     assert topcon.send(ENTER_PREOP) == ["085#00230B2300000000", "085#00420B5000000000"]
     assert register(topcon) == 0x0B
+
+
+@pytest.mark.spec("T-051", "T-191")
+def test_a_trip_in_the_very_tick_of_its_reset_is_told_too(topcon):
+    topcon.set(load="inductor 1 10")
+    run(topcon, voltage=4000)
+    topcon.run(0.5)
+    topcon.sdo["Overcurrent level"].raw = 100
+    clock = topcon.clock
+    clock.at(
+        clock.now + 0.005, lambda: topcon.send(RESET_ERRORS)
+    )  # before the node looks at its tick
+    told = topcon.run(0.01)
+    assert told == ["085#0023032100000000", CONFIRMED, NO_ERROR]

@@ -226,13 +226,13 @@ class Node:
             self._act_on(frame, handlers)
 
     def _act_on(self, frame: Frame, handlers: Sequence[Handler]) -> None:
-        self._catch_up()
+        untold = self._catch_up()
         self.device.on_frame()
-        handlers[0](frame)
-        for handle in handlers[1:]:
-            if self._stack is not None:
+        for handle in handlers:
+            if untold and self._stack is not None:
                 self._stack.tell()
             handle(frame)
+            untold = True
         self._settle()
 
     def _on_time(self, action: Action) -> None:
@@ -253,13 +253,16 @@ class Node:
         if self.powered:
             self._settle()
 
-    def _catch_up(self) -> None:
+    def _catch_up(self) -> bool:
+        """Let the time pass that has gone by; whether that was a step."""
         elapsed = self.clock.ticks - self._stepped
-        if elapsed >= self._cycle:
-            elapsed -= elapsed % self._cycle
-            self._stepped += elapsed
-            step = self.device.step if self.powered else self.device.step_unpowered
-            step(elapsed / MICROSECONDS)
+        if elapsed < self._cycle:
+            return False
+        elapsed -= elapsed % self._cycle
+        self._stepped += elapsed
+        step = self.device.step if self.powered else self.device.step_unpowered
+        step(elapsed / MICROSECONDS)
+        return True
 
     def _settle(self) -> None:
         self._follow()
