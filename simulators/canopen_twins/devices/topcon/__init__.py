@@ -90,8 +90,10 @@ class Device(device.Device):
     def emergencies(self) -> Sequence[Emcy]:
         """Errors of the unit and of the card, latched until command 2."""
         errors, card_errors = self.stage.errors, self.card_errors.active
+        if not errors:
+            return card_errors
         told = messages.unit_errors()
-        return (*(told[error] for error in errors), *card_errors) if errors else card_errors
+        return (*(told[error] for error in errors), *card_errors)
 
     @property
     def messages(self) -> Mapping[str, Message]:

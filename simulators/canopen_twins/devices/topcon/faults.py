@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from math import inf
 from typing import TYPE_CHECKING
 
 from canopen_twins.device import Fault, Parameter
@@ -140,8 +139,10 @@ def _supply(device: Device, supplies: Mapping[str, float]) -> None:
 
 def _feed(device: Device, volts: float, hertz: float, seconds: float) -> None:
     stage = device.stage
-    stage.mains_slew = abs(volts - stage.line_voltage) / seconds if seconds else inf
-    stage.mains, stage.mains_frequency = volts, hertz
+    stage.mains_frequency, stage.mains_goal = hertz, volts
+    stage.mains_slew = abs(volts - stage.mains) / seconds if seconds else 0.0
+    if not seconds:
+        stage.mains = volts
 
 
 def _mains(volts: float) -> float:

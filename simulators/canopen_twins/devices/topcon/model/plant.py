@@ -47,8 +47,9 @@ class Inputs:
     overvoltage_warning: float = inf  # off by default
     overcurrent_warning: float = inf
 
-    mains: float = 400.0  # V between lines, or on their way there
-    mains_slew: float = inf  # V/s on that way
+    mains: float = 400.0  # V between lines
+    mains_goal: float = 400.0  # V, where they are going
+    mains_slew: float = 0.0  # V/s on that way; 0: they stay
     mains_frequency: float = 50.0
     supplies: Mapping[str, float] = field(default_factory=dict)  # V, of those that are wrong
     interlock_closed: bool = True
@@ -87,13 +88,13 @@ class Plant(Inputs):
         self.ticks = 0
         self.ramps = Ramps(self.unit)
         self.store = I2tStore(self.unit)
-        self._line_voltage = self.line_voltage_before = self.mains
+        self.mains_before = self.mains
 
     def drain(self, dt: float) -> None:
         """Let `dt` seconds pass without supply, of any length."""
         left = round(dt / self.tick)
         while left:
-            ahead = self.ahead
+            ahead = self.ahead if self.load is self.circuit.load else 0.0
             ticks = max(1, int(min(left, ahead / self.tick)))
             (self.coast if ahead and self.circuit.settled else self.flow)(ticks)
             left -= ticks
@@ -124,11 +125,6 @@ class Plant(Inputs):
         return self.voltage * self.current
 
     @property
-    def line_voltage(self) -> float:
-        """V between the lines of the mains at this moment."""
-        return self.mains if self.mains_slew == inf else self._line_voltage
-
-    @property
     def temperature(self) -> float:
         """Of the heat sink, degC."""
         return self.heat.temperature
@@ -154,17 +150,15 @@ class Plant(Inputs):
     @property
     def ahead(self) -> float:
         """Seconds that can pass in one go: 0 while something moves, inf if nothing ever will."""
-        if self.load is not self.circuit.load or self.line_voltage != self.mains:
+        if self.mains_slew:
             return 0.0
         if self.settled:
             return self._until_next_level()
-        if not self._ramped:
+        if self.circuit.drift > SLOW or not self._ramped:
             return 0.0
         if self._heat_bends_output:
-            return CREEP if self.circuit.drift <= SLOW else 0.0
-        if self.load.stores:
-            return min(self.circuit.stride, self._until_next_level())
-        return 0.0
+            return CREEP
+        return min(self.circuit.stride, self._until_next_level()) if self.load.stores else 0.0
 
     def flow(self, ticks: int) -> None:
         """Let `ticks` pass, as one step of the circuit."""
@@ -177,10 +171,15 @@ class Plant(Inputs):
         self.heat.step(ticks * self.tick, self.loss, self.ambient)
         self.store.step(ticks * self.tick, self.circuit.current)
         self.ticks += ticks
-        if self._line_voltage != self.mains:
-            reach = self.mains_slew * ticks * self.tick
-            way = self.mains - self._line_voltage
-            self._line_voltage += copysign(min(abs(way), reach), way)
+        if self.mains_slew:
+            self._move_mains(ticks)
+
+    def _move_mains(self, ticks: int) -> None:
+        way, reach = self.mains_goal - self.mains, self.mains_slew * ticks * self.tick
+        if abs(way) <= reach:
+            self.mains, self.mains_slew = self.mains_goal, 0.0
+        else:
+            self.mains += copysign(reach, way)
 
     def _law(self, dt: float) -> Law:
         self.ramps.step(dt, self.voltage_reference, self.current_reference)
@@ -189,7 +188,7 @@ class Plant(Inputs):
             max(self.resistance_reference, self.unit.droop),
             min(self.ramps.current, self.derated_maximum),
             self.power_reference,
-            self.heat.derating * self.unit.sink_current,
+            self.unit.sink_current and self.heat.derating * self.unit.sink_current,
         )
 
     @property

@@ -69,18 +69,18 @@ RAILS = {  # Tab. 69
 
 def mains_low(plant: Plant) -> bool:
     """The lower end of the range."""
-    return plant.line_voltage < MAINS_LOW
+    return plant.mains < MAINS_LOW
 
 
 def mains_high(plant: Plant) -> bool:
     """The upper end of the range."""
-    return plant.line_voltage > MAINS_HIGH
+    return plant.mains > MAINS_HIGH
 
 
 def mains_jumped(plant: Plant) -> bool:
     """Up or down; what was there before power-on is no jump."""
-    jump = abs(plant.line_voltage - plant.line_voltage_before)
-    return plant.ticks > 1 and jump > TRANSIENT * plant.line_voltage_before
+    jump = abs(plant.mains - plant.mains_before)
+    return plant.ticks > 1 and jump > TRANSIENT * plant.mains_before
 
 
 def above_voltage_level(plant: Plant) -> bool:
@@ -104,18 +104,14 @@ def above_derated_current(plant: Plant) -> bool:
 def above_sink_level(plant: Plant) -> bool:
     """The level of 7.3.15 for the current that a Q4 unit takes in."""
     hair = HAIR * plant.unit.maximum_current
-    return _sinks(plant) and plant.circuit.current < -plant.overcurrent_level - hair
+    return plant.running and plant.circuit.current < -plant.overcurrent_level - hair
 
 
 def above_derated_sink(plant: Plant) -> bool:
     """As for the current that it gives."""
-    warm = _sinks(plant) and plant.heat.temperature > WARM
+    warm = plant.running and plant.heat.temperature > WARM
     derated = plant.heat.derating * plant.unit.sink_current
     return warm and plant.circuit.current < -DERATED_MARGIN * derated
-
-
-def _sinks(plant: Plant) -> bool:
-    return plant.running and plant.unit.sink_current > 0.0
 
 
 def too_hot(plant: Plant) -> bool:
@@ -169,8 +165,9 @@ def protections(unit: UnitType) -> Iterator[Protection]:
     yield Protection(0x21, above_current_level, unit.overcurrent_delay)  # Tab. 67
     yield Protection(0x25, above_derated_current, DERATED_DELAY)
     yield Protection(0x20, lambda plant: plant.store.charge >= unit.i2t_limit)
-    yield Protection(0x29, above_sink_level, unit.overcurrent_delay)
-    yield Protection(0x2A, above_derated_sink, DERATED_DELAY)
+    if unit.sink_current:
+        yield Protection(0x29, above_sink_level, unit.overcurrent_delay)
+        yield Protection(0x2A, above_derated_sink, DERATED_DELAY)
     yield Protection(0x51, too_hot, stays=still_hot)  # Tab. 71
     yield Protection(0x31, sense_differs)  # Tab. 70
     yield Protection(0x33, sense_negative)
@@ -189,7 +186,7 @@ def warns(plant: Plant) -> bool:
         or plant.store.charge >= unit.i2t_limit / 2
         or plant.circuit.voltage > plant.overvoltage_warning
         or (plant.running and current > plant.overcurrent_warning)
-        or not MAINS_LOW * (1 + NEAR) <= plant.line_voltage <= MAINS_HIGH * (1 - NEAR)
+        or not MAINS_LOW * (1 + NEAR) <= plant.mains <= MAINS_HIGH * (1 - NEAR)
     )
 
 

@@ -116,7 +116,7 @@ class OutputStage(Plant):
             else:
                 self.flow(ticks)
             self._supervise()
-            self.line_voltage_before = self.line_voltage
+            self.mains_before = self.mains
             self._look_ahead()
 
     def _look_ahead(self) -> None:
