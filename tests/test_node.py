@@ -58,6 +58,36 @@ def test_a_power_cycle_starts_everything_volatile_afresh(bench):
     assert bench.run(1.0) == []
 
 
+class Capacitor(Probe):
+    """What is charged outlives the supply, and drains without it."""
+
+    def make_model(self):
+        self.volts, self.passed = 100.0, []
+
+    def power_on(self):
+        self.told.append("power on")
+
+    def step(self, dt):
+        self.passed.append(("on", round(dt, 6)))
+
+    def step_unpowered(self, dt):
+        self.passed.append(("off", round(dt, 6)))
+        self.volts -= dt
+
+
+def test_time_passes_without_supply_in_what_outlives_it():
+    bench = Bench.of({"probe": Capacitor()})
+    bench.run(2.0)
+    bench.power_off()
+    bench.run(30.0)
+    assert bench.device.volts == 70.0
+    bench.run(9.0)
+    bench.power_on()
+    bench.run(1.0)
+    assert bench.device.volts == 61.0
+    assert bench.device.passed == [("on", 2.0), ("off", 30.0), ("off", 9.0), ("on", 1.0)]
+
+
 def test_whoever_listens_hears_of_every_state_a_node_enters(bench):
     heard = []
     bench.twin.node.listeners.append(heard.append)

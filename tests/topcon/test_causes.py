@@ -86,6 +86,33 @@ def test_the_dc_link_is_low_only_after_20_ms(topcon):
     assert topcon.sent[-1] == emcy(0x3200, 0x05, 0x49)
 
 
+@pytest.mark.spec("T-193", "A-83")
+def test_mains_that_are_gone_at_once_are_a_jump_and_then_low(topcon):
+    topcon.run(0.1)
+    topcon.inject("mains", volts=330)
+    assert topcon.run(0.019) == [emcy(0x3200, 0x05, 0x4D)]
+    assert topcon.run(0.1) == [emcy(0x3200, 0x05, 0x49)]
+
+
+@pytest.mark.spec("T-193", "A-83")
+@pytest.mark.parametrize(("volts", "detail"), [(330, 0x49), (470, 0x4A)])
+def test_mains_that_go_slowly_are_low_or_high_and_no_jump(topcon, volts, detail):
+    topcon.inject("mains", volts=volts, seconds=0.5)
+    topcon.run(0.4)
+    assert emcy(0x3200, 0x05, detail) not in topcon.sent
+    topcon.run(0.4)
+    assert topcon.sent[-1] == emcy(0x3200, 0x05, detail)
+    topcon.clear("mains")  # as slowly
+    topcon.run(0.05)
+    assert reset(topcon) != NO_ERROR
+    topcon.run(0.5)
+    assert reset(topcon) == NO_ERROR
+    assert [frame for frame in topcon.sent if frame.startswith("085")] == [
+        emcy(0x3200, 0x05, detail),
+        NO_ERROR,
+    ]
+
+
 @pytest.mark.spec("A-53", "A-83")
 @pytest.mark.parametrize(
     ("volts", "warned"), [(356, True), (358, False), (436, False), (438, True)]

@@ -141,3 +141,40 @@ def test_a_reset_while_the_cause_is_there_changes_nothing(topcon):
     topcon.inject("lasting_error", number=0x23)
     assert topcon.send(RESET_ERRORS) == [CONFIRMED]
     assert (register(topcon), state_of_output(topcon)) == (0x03, 0x8000)
+
+
+PROTOCOL_ERROR = "085#0082110000000000"
+
+
+@pytest.mark.spec("T-051", "T-055", "A-41")
+def test_an_error_that_the_same_sync_raises_and_resets_is_told_kept_and_over(topcon):
+    for frame in ("605#2F00140201000000", "605#2F03140201000000", START, "205#FFFF", "505#0200"):
+        topcon.send(frame)
+    assert topcon.send("080#") == [PROTOCOL_ERROR, NO_ERROR]
+    assert topcon.sdo["Pre-defined Error Field"][0].raw == 1
+    assert topcon.sdo["Pre-defined Error Field"][1].raw == 0x8200
+    assert register(topcon) == 0
+
+
+@pytest.mark.spec("T-056", "A-12", "A-92")
+def test_errors_held_back_in_stopped_carry_the_register_of_the_moment_they_are_told(topcon):
+    topcon.send(STOP)
+    topcon.inject("error", number=0x23)
+    topcon.run(1.0)
+    topcon.inject("lasting_error", number=0x50)
+    assert topcon.send(ENTER_PREOP) == ["085#00230B2300000000", "085#00420B5000000000"]
+    assert register(topcon) == 0x0B
+
+
+@pytest.mark.spec("T-051", "T-191")
+def test_a_trip_in_the_very_tick_of_its_reset_is_told_too(topcon):
+    topcon.set(load="inductor 1 10")
+    run(topcon, voltage=4000)
+    topcon.run(0.5)
+    topcon.sdo["Overcurrent level"].raw = 100
+    clock = topcon.clock
+    clock.at(
+        clock.now + 0.005, lambda: topcon.send(RESET_ERRORS)
+    )  # before the node looks at its tick
+    told = topcon.run(0.01)
+    assert told == ["085#0023032100000000", CONFIRMED, NO_ERROR]

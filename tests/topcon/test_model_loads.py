@@ -8,6 +8,7 @@ from canopen_twins.devices.topcon.model.loads import (
     PowerSink,
     Resistor,
     Short,
+    Supercapacitor,
     parse_load,
 )
 
@@ -23,6 +24,10 @@ TEXTS = {
     "power 5000 100": PowerSink(5000.0, minimum=100.0),
     "short": Short(),
     "inductor 2 0.01": Inductor(2.0, 0.01),
+    "battery 350 0.1 20 soc=0.1": Battery(350.0, 0.1, capacity=20.0, soc=0.1),
+    "battery 350 0.1 diode 20 swing=0.1": Battery(350.0, 0.1, True, 20.0, swing=0.1),
+    "supercapacitor 10 0.01": Supercapacitor(10.0, 0.01),
+    "supercapacitor 10 0.01 48": Supercapacitor(10.0, 0.01, 48.0),
 }
 
 
@@ -41,6 +46,10 @@ def test_a_load_is_its_text(text, load):
         ("power 5000 W 100 V", PowerSink(5000.0, 100.0)),
         ("inductor 2 ohm 1e-2 H", Inductor(2.0, 0.01)),
         ("  resistor   4.0 ", Resistor(4.0)),
+        ("resistor 4ohm", Resistor(4.0)),
+        ("battery 350 0.1 20Ah soc=0.5", Battery(350.0, 0.1, capacity=20.0)),
+        ("battery 350V 0.1 soc=1 20 Ah diode", Battery(350.0, 0.1, True, 20.0, soc=1.0)),
+        ("supercapacitor 10 F 0.01 ohm 48 V", Supercapacitor(10.0, 0.01, 48.0)),
     ],
 )
 def test_units_and_spaces_are_welcome(text, load):
@@ -50,7 +59,11 @@ def test_units_and_spaces_are_welcome(text, load):
 @pytest.mark.parametrize(
     ("text", "advice"),
     [
-        ("", "no load is called '': open, resistor, battery, sink, power, short, inductor"),
+        (
+            "",
+            "no load is called '': open, resistor, battery, supercapacitor, sink, power, short,"
+            " inductor",
+        ),
         ("resitor 4", "no load is called 'resitor', did you mean 'resistor'?: open"),
         ("Resistor 4", "no load is called 'Resistor', did you mean 'resistor'?"),
         ("resistor", "load 'resistor': ohm is not a number, write 'resistor <ohm>'"),
@@ -61,8 +74,18 @@ def test_units_and_spaces_are_welcome(text, load):
         ("resistor 0", "ohm must be above 0"),
         ("resistor nan", "ohm must be above 0"),
         ("resistor inf", "ohm must be above 0"),
-        ("battery 350", "ohm is not a number, write 'battery <V> <ohm> [diode]'"),
-        ("battery 350 0.1 dioed", "'dioed' is too much, write 'battery <V> <ohm> [diode]'"),
+        (
+            "battery 350",
+            "ohm is not a number, write"
+            " 'battery <V> <ohm> [diode] [<Ah>] [soc=<0..1>] [swing=<0..1>]'",
+        ),
+        ("battery 350 0.1 dioed", "'dioed' is too much, write 'battery <V> <ohm> [diode] [<Ah>]"),
+        ("battery 350 0.1 20 soc=half", "soc is not a number"),
+        ("battery 350 0.1 20 soc=1.1", "soc must be in 0..1"),
+        ("battery 350 0.1 soc=0.2", "soc is of no use without a capacity in Ah"),
+        ("battery 350 0.1 -20", "capacity must be 0 or more"),
+        ("supercapacitor 0 0.1", "farad must be above 0"),
+        ("supercapacitor 10", "ohm is not a number, write 'supercapacitor <F> <ohm> [<V>]'"),
         ("battery -1 0.1", "volts must be 0 or more"),
         ("sink -1", "amps must be 0 or more"),
         ("sink 30 mA", "'mA' is too much, write 'sink <A>'"),

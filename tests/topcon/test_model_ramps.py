@@ -104,7 +104,7 @@ def test_a_winding_carries_on_through_the_rectifier_after_stop(running):
 
 
 def test_a_winding_just_connected_carries_no_current(running):
-    stage = running(load="resistor 4", parts=(1000, 4000, 4000, 0))
+    stage = running(load="open", parts=(1000, 4000, 4000, 0))
     stage.load = running(load="inductor 2 0.2").load
     stage.step(0.001)
     assert stage.current == pytest.approx(100 * 0.001 / 0.2, rel=0.02)

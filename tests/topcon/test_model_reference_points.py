@@ -164,13 +164,13 @@ def test_a_one_quadrant_unit_does_not_discharge_a_battery(running):
 
 
 @pytest.mark.spec("A-43")
-@pytest.mark.parametrize(("volts", "current"), [(300.0, -50.0), (349.0, -10.0)])
-def test_a_unit_with_the_q4_option_takes_current_in(running, volts, current):
+@pytest.mark.parametrize(("volts", "current", "mode"), [(300.0, -50.0, CC), (349.0, -10.0, CV)])
+def test_a_unit_with_the_q4_option_takes_current_in(running, volts, current, mode):
     q4 = {"sink_current": 50.0}
     stage = running(load="battery 350 0.1", parts=(0, 4000, 4000, 0), figures=q4)
     stage.voltage_reference = volts
     stage.step(1.0)
     assert stage.current == pytest.approx(current, abs=0.2)
-    assert stage.mode is CV
+    assert stage.mode is mode
     assert stage.power < 0
     assert stage.loss >= stage.unit.idle_power  # taking in costs as giving out does

@@ -140,3 +140,26 @@ def test_a_reset_without_an_error_leaves_the_output_on(running):
     stage.reset()
     assert stage.state is StageState.RUN
     assert stage.rest > 0
+
+
+HOT_LOAD = {"load": "resistor 20", "parts": (4000, 4000, 4000, 0), "figures": {"efficiency": 0.6}}
+
+
+@pytest.mark.spec("T-193", "A-89")
+@pytest.mark.parametrize(("kelvin", "until"), [(10.0, 85.0), (25.0, 70.0), (0.0, 95.0)])
+def test_an_overtemperature_is_over_once_the_heat_sink_has_cooled_down(running, kelvin, until):
+    stage = running(**HOT_LOAD, cooldown=kelvin)
+    while not stage.errors:
+        stage.step(0.01)
+    assert stage.errors == (0x51,)
+    stage.step(0.01)
+    while stage.temperature > until + 0.01:
+        stage.reset()
+        stage.run()
+        assert (stage.errors, stage.running) == ((0x51,), False)
+        stage.step(0.1)
+    stage.step(0.2)
+    stage.reset()
+    assert stage.errors == ()
+    stage.run()
+    assert stage.running

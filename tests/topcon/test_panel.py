@@ -40,14 +40,40 @@ def local(topcon):
 
 
 @pytest.mark.spec("T-080")
-@pytest.mark.parametrize("restart", ["power", RESET_NODE])
-def test_the_panel_is_remote_after_power_on(local, restart):
-    if restart == "power":
-        local.power_off()
-        local.power_on()
-    else:
-        local.send(restart)
+def test_the_panel_is_remote_after_power_on(local):
+    local.power_off()
+    local.power_on()
     assert in_control(local) == "bus"
+
+
+@pytest.mark.spec("T-081", "T-082", "A-88")
+@pytest.mark.parametrize("reset", [RESET_NODE, RESET_COMMUNICATION])
+@pytest.mark.parametrize("local_write", ["ignore", "abort"])
+def test_no_reset_by_the_master_takes_control_from_an_operator(reset, local_write):
+    bench = Bench("topcon", node_id=5, local_write=local_write)
+    run(bench, voltage=2000)
+    bench.send("605#2310100173617665")  # save
+    bench.sdo["Voltage reference"].raw = 1000
+    bench.run(1.0)
+    bench.set(panel="local")
+    assert bench.send(reset) == ["705#00"]
+    bench.run(1.0)
+    assert in_control(bench) == "panel"
+    assert state_of_output(bench) == 0x0003
+    assert bench.sdo["Voltage reference"].raw == 1000
+    assert bench.sdo["Actual voltage"].raw == 1000
+    bench.send(START)
+    assert in_control(bench) == "bus"
+
+
+@pytest.mark.spec("A-58", "A-88")
+def test_a_reset_of_the_node_takes_the_output_from_a_master_who_is_in_control(topcon):
+    run(topcon, voltage=2000)
+    topcon.set(panel="local")
+    topcon.set(panel="remote")
+    topcon.send(RESET_NODE)
+    assert state_of_output(topcon) == 0
+    assert topcon.sdo["Voltage reference"].raw == 0
 
 
 @pytest.mark.spec("T-080")

@@ -62,3 +62,17 @@ def test_loads_can_be_changed_while_the_output_is_on(topcon, load, voltage, curr
     topcon.run(3.0)
     assert topcon.sdo["Actual voltage"].raw == pytest.approx(voltage, abs=2)
     assert topcon.sdo["Actual current"].raw == pytest.approx(current, abs=2)
+
+
+@pytest.mark.spec("A-82")
+def test_another_setting_does_not_connect_the_load_anew():
+    bench = Bench("topcon", node_id=5, load="inductor 0.001 1")
+    run(bench, voltage=400)
+    bench.run(3.0)
+    before = bench.sdo["Actual current"].raw
+    bench.set(ambient=30)
+    bench.run(0.01)
+    assert bench.sdo["Actual current"].raw == pytest.approx(before, abs=1)
+    bench.set(load="inductor 0.001 1")  # another one
+    bench.run(0.01)
+    assert bench.sdo["Actual current"].raw < 100

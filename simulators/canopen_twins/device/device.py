@@ -51,9 +51,9 @@ class Device:
 
     A class names its `eds` and its `title`, and makes its model in `make_model`, which is called
     when the device is made and configured, so that there is a model without power as well.
-    Commands come from the node in this order: `make_model` and `power_on`, then `on_state`, `step`
-    and writes to objects as they happen, `reset_node` and `reset_communication` when the NMT master
-    says so.
+    Commands come from the node in this order: `power_on`, then `on_state`, `step` and writes to
+    objects as they happen, `reset_node` and `reset_communication` when the NMT master says so, and
+    `power_off`, after which time passes in `step_unpowered`.
 
     Raises:
         UserError: settings that are unknown or of the wrong kind.
@@ -168,13 +168,24 @@ class Device:
         return ()
 
     def make_model(self) -> None:
-        """Make the model from the settings; every power-on renews it, and all that is volatile."""
+        """Make the model from the settings, with all that outlives the supply as it is at first."""
 
     def power_on(self) -> None:
-        """Supply comes, to a model that has been made anew."""
+        """Supply comes: all that is volatile is made anew, by default the whole model.
+
+        A device with energy that outlives the supply keeps what holds it and renews the rest.
+        """
+        self.make_model()
 
     def power_off(self) -> None:
         """Supply goes."""
+
+    def step_unpowered(self, dt: float) -> None:
+        """Let time pass in what outlives the supply: a capacitor, heat, what is connected.
+
+        `dt` is a whole number of cycles, in seconds. It comes when somebody looks, acts on the
+        device or switches it on, so all the time without supply may be one step.
+        """
 
     def reset_node(self) -> None:
         """NMT 81h: the application starts afresh."""

@@ -56,7 +56,8 @@ class Stack:
         kept = device.stored
         self._nmt = Nmt(slave)
         self._heartbeat = HeartbeatProducer(slave)
-        others = _services(slave, device, log, self._nmt, kept)
+        self._emcy = EmcyProducer(slave, log, lambda: device.emergencies, device.farewell)
+        others = _services(slave, device, self._emcy, self._nmt, kept)
         self._services: list[Service] = [self._nmt, self._heartbeat, *others]
         if slave.node_id == UNCONFIGURED:
             self._services = [each for each in self._services if isinstance(each, LssSlave)]
@@ -94,6 +95,10 @@ class Stack:
         if own is not None and own is not self.state:
             self._nmt.state = own
             self._announce(own)
+
+    def tell(self) -> None:
+        """Tell what is wrong before the next handler of a frame may end it."""
+        self._emcy.publish()
 
     def publish(self) -> None:
         """Follow what has been changed in the communication area, then send what is new."""
@@ -150,7 +155,7 @@ def _bind(slave: Slave, device: Device) -> None:
 
 
 def _services(
-    slave: Slave, device: Device, log: EmcyLog, nmt: Nmt, kept: Collection[Address]
+    slave: Slave, device: Device, emcy: EmcyProducer, nmt: Nmt, kept: Collection[Address]
 ) -> Iterator[Service]:
     """Those that nobody but the bus asks for anything, in the order in which they speak."""
     errors = CommunicationErrors(slave, nmt)
@@ -162,7 +167,7 @@ def _services(
     yield Sync(slave)
     yield Time(slave)
     yield from device.pdos(slave)
-    yield EmcyProducer(slave, log, lambda: device.emergencies, device.farewell)
+    yield emcy
     yield EmcyConsumer(slave, device.on_emcy)
     yield Store(slave, device.memory, kept, device)
     yield StoredEds(slave, device.eds)
@@ -219,9 +224,9 @@ class Node:
         if self.powered:
             return
         self.device.complete()
+        self._catch_up()
         self.powered = True
         self._stepped = self.clock.ticks
-        self.device.make_model()
         self.device.power_on()
         self.faults.renew(self.device.faults)
         self._settle()
@@ -230,6 +235,7 @@ class Node:
         """Switch the supply off: what is not in the memory is lost."""
         if not self.powered:
             return
+        self._catch_up()
         self._fall_silent()
         self._afresh = True
         self.device.power_off()
@@ -238,8 +244,7 @@ class Node:
 
     def look(self) -> Device:
         """The device as it is at this moment: time has passed for it, and nothing is sent."""
-        if self.powered:
-            self._catch_up()
+        self._catch_up()
         return self.device
 
     def receive(self, frame: Frame) -> None:
@@ -261,10 +266,13 @@ class Node:
             self._act_on(frame, handlers)
 
     def _act_on(self, frame: Frame, handlers: Sequence[Handler]) -> None:
-        self._catch_up()
+        untold = self._catch_up()
         self.device.on_frame()
         for handle in handlers:
+            if untold and self._stack is not None:
+                self._stack.tell()
             handle(frame)
+            untold = True
         self._settle()
 
     def _on_time(self, action: Action) -> None:
@@ -285,12 +293,16 @@ class Node:
         if self.powered:
             self._settle()
 
-    def _catch_up(self) -> None:
+    def _catch_up(self) -> bool:
+        """Let the time pass that has gone by; whether that was a step."""
         elapsed = self.clock.ticks - self._stepped
-        if elapsed >= self._cycle:
-            elapsed -= elapsed % self._cycle
-            self._stepped += elapsed
-            self.device.step(elapsed / MICROSECONDS)
+        if elapsed < self._cycle:
+            return False
+        elapsed -= elapsed % self._cycle
+        self._stepped += elapsed
+        step = self.device.step if self.powered else self.device.step_unpowered
+        step(elapsed / MICROSECONDS)
+        return True
 
     def _settle(self) -> None:
         self._follow()

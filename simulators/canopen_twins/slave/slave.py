@@ -35,6 +35,7 @@ class Slave(LocalNode):
         """Off the bus for a while: nothing goes out, nothing comes in. A service says so."""
         self.restart = False
         """Whether its communication has to be reset. A service says so."""
+        self.sent = 0  # frames
         self.profile = profile or Profile()
         self.entries: dict[int, dict[int, Entry]] = {}
         self.on_communication_change: Callable[[], None] = lambda: None
@@ -119,6 +120,7 @@ class Slave(LocalNode):
     def send(self, frame: Frame) -> None:
         """Send a frame; lost while the slave is off the bus."""
         if not self.shut:
+            self.sent += 1
             self.wire.put(frame)
 
     def get_data(self, index: int, subindex: int, check_readable: bool = False) -> bytes:

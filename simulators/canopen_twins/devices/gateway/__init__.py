@@ -150,6 +150,7 @@ class Device(device.Device):
 
     def power_on(self) -> None:
         """Supply comes to both units; the engine stands (A-54)."""
+        self.make_model()
         self.system.power_on()
 
     def power_off(self) -> None:

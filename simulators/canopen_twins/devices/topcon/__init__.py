@@ -1,6 +1,6 @@
 """Regatron TopCon Quadro behind a TC.CANOPEN card (manual DO6130.0031 V02.62)."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import cast
 
 from canopen import ObjectDictionary
@@ -15,6 +15,8 @@ from canopen_twins.device import (
     Message,
     Object,
     Rejected,
+    Service,
+    Slave,
     State,
     device,
 )
@@ -25,7 +27,7 @@ from canopen_twins.devices.topcon.control import Control, Scale
 from canopen_twins.devices.topcon.faults import faults
 from canopen_twins.devices.topcon.model.stage import OutputStage
 from canopen_twins.devices.topcon.model.states import Mode
-from canopen_twins.devices.topcon.panel import Panel
+from canopen_twins.devices.topcon.panel import OwnFrames, Panel
 from canopen_twins.devices.topcon.settings import Settings
 
 MODE_BIT = {Mode.OFF: 0, Mode.VOLTAGE: 1 << 1, Mode.CURRENT: 1 << 2, Mode.POWER: 1 << 3}  # Tab. 60
@@ -46,9 +48,7 @@ class Device(device.Device):
     def configure(self, **given: object) -> None:
         """Change settings while the unit is off; its switches are read at power-on (4.2, 4.3)."""
         self._module_id: int | None = None
-        self._new = False
         super().configure(**given)
-        self._new = True
         self.profile = card.profile(self.settings)
 
     def check(self) -> None:
@@ -90,8 +90,10 @@ class Device(device.Device):
     def emergencies(self) -> Sequence[Emcy]:
         """Errors of the unit and of the card, latched until command 2."""
         errors, card_errors = self.stage.errors, self.card_errors.active
+        if not errors:
+            return card_errors
         told = messages.unit_errors()
-        return (*(told[error] for error in errors), *card_errors) if errors else card_errors
+        return (*(told[error] for error in errors), *card_errors)
 
     @property
     def messages(self) -> Mapping[str, Message]:
@@ -137,37 +139,50 @@ class Device(device.Device):
         return od
 
     def make_model(self) -> None:
-        """The unit and its card; what the settings have just made serves the next power-on as well.
+        """The unit, cold and empty, and its card."""
+        self.stage = units.output_stage(self.settings)
+        self.scale = Scale(self.stage.unit)
+        self._turn_on()
 
-        Switches are read now and not again.
-        """
-        if self._new:
-            self._new = False
-            return
+    def power_on(self) -> None:
+        """Supply comes, to a unit with the charge and the heat that it has (A-76)."""
+        self.stage.power_on()
+        self._turn_on()
+
+    def _turn_on(self) -> None:
+        """Switches are read now and not again, and the panel is remote (6)."""
         settings = self.settings
         self._module_id = card.module_id(settings)
         self._bit_rate = card.bit_rate(settings.br)
-        self.stage = units.output_stage(settings)
-        self.scale = Scale(self.stage.unit)
         self._register_values: dict[int, int] = {}
+        self.panel = Panel(settings.quiet_time, refuses=settings.local_write == "abort")
         self._start_card()
+        self.control.power_on_values()
 
     def power_off(self) -> None:
-        """The output goes with the supply; nothing is simulated until the next power-on (A-76)."""
-        self.stage.stop()
+        """The output goes with the supply."""
+        self.stage.power_off()
+
+    def step_unpowered(self, dt: float) -> None:
+        """Capacitor, bleeder, heat and load go on without supply (A-76)."""
+        self.stage.drain(dt)
 
     def reset_node(self) -> None:
-        """The card starts anew and stops the output; errors of the unit stay (A-58, A-60)."""
-        self.stage.stop()
+        """The card starts anew; errors of the unit stay (A-60).
+
+        It stops the output and forgets the set values (A-58), unless the panel is in control: 6
+        names power-on and Operational only as what takes control from it (A-88).
+        """
         self._start_card()
+        if not self.panel.local:
+            self.stage.stop()
+            self.control.power_on_values()
 
     def _start_card(self) -> None:
         settings = self.settings
-        self.panel = Panel(settings.quiet_time, refuses=settings.local_write == "abort")
         self.registers = Registers(settings.firmware, self._register_values, self.panel)
         self.card_errors = CardErrors()
         self.control = Control(self.stage, self.scale, self.panel, self.card_errors.reset, settings)
-        self.control.power_on_values()
 
     def on_state(self, state: State) -> None:
         """Operational takes control away from the panel (6)."""
@@ -177,21 +192,28 @@ class Device(device.Device):
         """The bus is in use, so RS-232 is not (5)."""
         self.panel.on_frame()
 
+    def services(self, slave: Slave) -> Iterable[Service]:
+        """None on the bus; what is sent there closes RS-232 as well (5)."""
+        yield OwnFrames(slave, self.panel)
+
     def on_rpdo_refused(self, number: int, refusal: Rejected) -> None:
         """A parameter that exceeds its limit is told by EMCY (Tab. 82, A-37, A-41)."""
         if refusal.code in PARAMETER_REFUSALS:
             self.card_errors.add(messages.PROTOCOL_ERROR)
 
     def set(self, **given: object) -> None:
-        """Change what may change while the unit runs; the panel turns when it is named here."""
-        self._new = False
+        """Change what may change while the unit runs.
+
+        A load that is named is connected anew, and the panel turns.
+        """
         super().set(**given)
+        if "load" in given:
+            self.stage.load = units.load(self.settings)
         if "panel" in given:
             self.panel.want(self.settings.panel == "local")
 
     def apply(self) -> None:
-        """Load and ambient temperature follow at once, switches at power-on."""
-        self.stage.load = units.load(self.settings)
+        """The ambient temperature follows at once, switches at power-on."""
         self.stage.ambient = self.settings.ambient
 
     def step(self, dt: float) -> None:

@@ -21,10 +21,7 @@ NUMBER = {"number": Parameter("error number of chapter 8, 0x00..0x1ff", kind=int
 
 
 def faults(device: Device) -> Mapping[str, Fault]:
-    """Every fault by its name.
-
-    The device is asked for its stage when a fault is used: power-on makes a new one.
-    """
+    """Every fault by its name."""
     return {**_connections(device), **_supplies(device), **_errors(device)}
 
 
@@ -61,11 +58,14 @@ def _supplies(device: Device) -> dict[str, Fault]:
         "mains": Fault(
             "The mains leave 340..460 V (EMCY 3200, 49, 4A, 4D); with IBC also 48..62 Hz"
             " (3100, 145, 144, 143, 142).",
-            lambda volts, hertz: _feed(device, _mains(volts), hertz),
-            lambda volts, hertz: _feed(device, OutputStage.mains, OutputStage.mains_frequency),
+            lambda volts, hertz, seconds: _feed(device, _mains(volts), hertz, seconds),
+            lambda volts, hertz, seconds: _feed(
+                device, OutputStage.mains, OutputStage.mains_frequency, seconds
+            ),
             {
                 "volts": Parameter("between the phases, 100..600 V", OutputStage.mains),
                 "hertz": Parameter("40..70 Hz", OutputStage.mains_frequency, low=40, high=70),
+                "seconds": Parameter("until they are there, and until they are back", 0.0, low=0),
             },
         ),
         "supply": Fault(
@@ -106,7 +106,7 @@ def _errors(device: Device) -> dict[str, Fault]:
         ),
         "warning": Fault(
             "A warning of the unit: bit 14 of 0x2023 until the reset, no EMCY.",
-            lambda: device.stage.warn(),  # noqa: PLW0108 - power-on makes a new stage
+            device.stage.warn,
         ),
     }
 
@@ -137,8 +137,12 @@ def _supply(device: Device, supplies: Mapping[str, float]) -> None:
     device.stage.supplies = supplies
 
 
-def _feed(device: Device, volts: float, hertz: float) -> None:
-    device.stage.mains, device.stage.mains_frequency = volts, hertz
+def _feed(device: Device, volts: float, hertz: float, seconds: float) -> None:
+    stage = device.stage
+    stage.mains_frequency, stage.mains_goal = hertz, volts
+    stage.mains_slew = abs(volts - stage.mains) / seconds if seconds else 0.0
+    if not seconds:
+        stage.mains = volts
 
 
 def _mains(volts: float) -> float:

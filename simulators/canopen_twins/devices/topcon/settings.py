@@ -52,6 +52,13 @@ class Settings(NodeSettings):
     boot_time: float = setting(
         0.0, "from power-on until RUN works", unit="s", assumed="A-78", low=0
     )
+    cooldown: float = setting(
+        10.0,
+        "below its limit until an overtemperature can be reset",
+        unit="K",
+        assumed="A-89",
+        low=0,
+    )
     noise: float = setting(
         0.0, "of measured values, up and down", unit="parts", assumed="A-79", low=0
     )
@@ -60,7 +67,8 @@ class Settings(NodeSettings):
     # what is around it
     load: str = setting(
         "open",
-        "open, resistor OHM, battery VOLT OHM [diode], sink AMPERE, power WATT [VOLT], short,"
+        "open, resistor OHM, battery VOLT OHM [AH] [soc=0..1] [swing=0..1] [diode],"
+        " supercapacitor FARAD OHM [VOLT], sink AMPERE, power WATT [VOLT], short,"
         " inductor OHM HENRY",
         live=True,
     )

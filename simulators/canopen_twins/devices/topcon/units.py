@@ -107,7 +107,7 @@ def load(settings: Settings) -> Load:
 
 
 def output_stage(settings: Settings) -> OutputStage:
-    """An output stage with its power just switched on; raises as `unit_type` and `load` do."""
+    """An output stage, cold and empty; raises as `unit_type` and `load` do."""
     return OutputStage(
         unit_type(settings),
         load=load(settings),
@@ -115,6 +115,7 @@ def output_stage(settings: Settings) -> OutputStage:
         units=settings.units,
         connection=settings.connection,
         boot_time=settings.boot_time,
+        cooldown=settings.cooldown,
         overvoltage_when_off=settings.ovp_when_off,
         noise=settings.noise,
         seed=settings.seed,

@@ -3,10 +3,11 @@
     storage * (u - u_before) + u * bleeder + load(u) = converter(u)
 
 Left side rising, right side falling: there is one solution. Each limit of the converter makes
-a root of its own; the least of them holds, and idling is the floor under them all.
+a root of its own; the least of them holds. Under them all lies a floor: idling, or the limit of
+the current that a Q4 unit takes in.
 """
 
-from math import sqrt
+from math import inf, sqrt
 from typing import NamedTuple
 
 from canopen_twins.devices.topcon.model.loads import Line, Load, Open
@@ -17,6 +18,9 @@ SLOPE_1 = 1.6  # s from zero to full scale at slope 1, by Regatron's DLL header
 AGES = 1e9  # s: one implicit step of this length ends in the steady state
 STILL = 1e-9  # of full scale per step: slow enough to ask where it will end
 ARRIVED = 1e-6  # of full scale: 0.004 parts, nobody can see the rest of the way
+GLIDING = 1e-2  # of full scale per second: nothing but a stored charge moves so slowly
+STRIDE = 1e-4  # of full scale: as far as it may get in one step then
+LONGEST = 60.0  # s: the longest such step
 
 
 class Ramps:
@@ -57,7 +61,7 @@ class Law(NamedTuple):
     resistance: float  # ohm
     current: float  # A, the ramped set value or the derated maximum
     power: float  # W
-    sink: float  # A it can take in
+    sink: float  # A it can take in at the terminals; 0 for one that cannot
 
 
 class Solution(NamedTuple):
@@ -101,7 +105,10 @@ def _node(
         held, mode = by_current, Mode.CURRENT
     if (slope * (held - voltage) + load) * held > law.power:
         held, mode = _by_power(law.power, voltage, slope, load), Mode.POWER
-    idle = voltage - (load + bleeder * voltage + law.sink) / (slope + bleeder)
+    if law.sink:
+        by_sink = voltage - (law.sink + load) / slope
+        return (by_sink, Mode.CURRENT) if by_sink > held else (held, mode)
+    idle = voltage - (load + bleeder * voltage) / (slope + bleeder)
     return max(held, idle), mode
 
 
@@ -119,33 +126,61 @@ class Circuit:
 
     def __init__(self, unit: UnitType) -> None:
         self._unit = unit
-        self._load: Load = Open()
+        self.load: Load = Open()
         self.voltage = 0.0
         self.current = 0.0
+        self.charge = 0.0  # As into the load since it was connected
         self.mode = Mode.OFF
         self.drift = 0.0  # of full scale, during the last step
         self.settled = True
+        self._length = AGES  # s, of that step
 
     def disturb(self) -> None:
         """Another law holds from now on."""
-        self.settled = False
+        self.settled, self.drift = False, inf
 
     def step(self, dt: float, law: Law | None, load: Load) -> None:
         """`dt` seconds under one law; where nothing is left to happen, the steady state exactly."""
-        if load is not self._load:
-            self._load, self.current = load, 0.0  # a winding just connected carries nothing
+        if load is not self.load:
+            self._connect(load, law)
         after = self._after(dt, law)
-        self.drift = self._distance(after)
-        self._adopt(after)
+        self.drift, self._length = self._distance(after), dt
+        self._adopt(after, dt)
         self.settled = False
         if self.drift <= STILL:
             end = self._after(AGES, law)
             self.settled = self._distance(end) <= ARRIVED
             if self.settled:
-                self._adopt(end)
+                self._adopt(end, AGES)
+
+    @property
+    def stride(self) -> float:
+        """Seconds that one step may take where only a stored charge moves; 0 while more does."""
+        pace = self.drift / self._length
+        if pace > GLIDING:
+            return 0.0
+        return min(STRIDE / pace, LONGEST) if pace else LONGEST
+
+    def _connect(self, load: Load, law: Law | None) -> None:
+        """What is just connected carries nothing; and what is let go has nowhere to flow.
+
+        Until the control has followed, the converter drives what it drove, into its capacitor.
+        """
+        driven = self.current
+        self.load, self.current, self.charge = load, 0.0, 0.0
+        conductance, offset, low, high = load.line(self.voltage, 0.0, self._unit.control_delay)
+        taken = min(max(conductance * self.voltage + offset, low), high)
+        if law and (0.0 <= taken < driven or driven < taken <= 0.0 < law.sink):
+            delay = self._unit.control_delay
+            out = driven + self.voltage / self._unit.bleeder
+            line = conductance, offset - out, low - out, high - out
+            after = solve(
+                None, self.voltage, self._unit.capacitance / delay, 1.0 / self._unit.bleeder, line
+            )
+            self.voltage, self.current = after.voltage, after.current + out
 
     def _after(self, dt: float, law: Law | None) -> Solution:
-        line = self._load.line(self.voltage, self.current, dt)
+        line = self.load.line(self.voltage, self.current, dt, self.charge)
         unit = self._unit
         return solve(law, self.voltage, unit.capacitance / dt, 1.0 / unit.bleeder, line)
 
@@ -155,5 +190,6 @@ class Circuit:
             abs(other.current - self.current) / self._unit.maximum_current,
         )
 
-    def _adopt(self, solution: Solution) -> None:
+    def _adopt(self, solution: Solution, dt: float) -> None:
         self.voltage, self.current, self.mode = solution
+        self.charge += self.current * dt

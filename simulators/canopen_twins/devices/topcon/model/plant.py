@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field
-from math import inf
+from math import copysign, inf
 from random import Random
 from typing import ClassVar
 
@@ -33,6 +33,7 @@ class Inputs:
     units: int = 1  # fixed from here to `seed` once the stage is powered
     connection: Connection = "parallel"
     boot_time: float = 0.0
+    cooldown: float = 10.0  # K below its limit until an overtemperature is over
     overvoltage_when_off: bool = True  # A-57
     noise: float = 0.0  # parts up and down in every reading
     seed: int = 0
@@ -47,6 +48,8 @@ class Inputs:
     overcurrent_warning: float = inf
 
     mains: float = 400.0  # V between lines
+    mains_goal: float = 400.0  # V, where they are going
+    mains_slew: float = 0.0  # V/s on that way; 0: they stay
     mains_frequency: float = 50.0
     supplies: Mapping[str, float] = field(default_factory=dict)  # V, of those that are wrong
     interlock_closed: bool = True
@@ -63,20 +66,38 @@ class Inputs:
 
 @dataclass(eq=False)
 class Plant(Inputs):
-    """Ramps, circuit, heat sink and I2t store under these inputs."""
+    """Ramps, circuit, heat sink and I2t store under these inputs.
+
+    Circuit and heat sink outlive the supply.
+    """
 
     tick: ClassVar[float] = 0.001  # s
 
-    state: StageState = field(default=StageState.POWERUP, init=False)
-    ticks: int = field(default=0, init=False)  # since power-on
+    state: StageState = field(init=False)
+    ticks: int = field(init=False)  # since power-on
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self.ramps = Ramps(self.unit)
         self.circuit = Circuit(self.unit)
         self.heat = HeatSink(self.unit, self.ambient)
+        self._supply()
+
+    def _supply(self) -> None:
+        """Make anew what does not outlive the supply."""
+        self.state = StageState.POWERUP
+        self.ticks = 0
+        self.ramps = Ramps(self.unit)
         self.store = I2tStore(self.unit)
         self.mains_before = self.mains
+
+    def drain(self, dt: float) -> None:
+        """Let `dt` seconds pass without supply, of any length."""
+        left = round(dt / self.tick)
+        while left:
+            ahead = self.ahead if self.load is self.circuit.load else 0.0
+            ticks = max(1, int(min(left, ahead / self.tick)))
+            (self.coast if ahead and self.circuit.settled else self.flow)(ticks)
+            left -= ticks
 
     @property
     def running(self) -> bool:
@@ -129,10 +150,15 @@ class Plant(Inputs):
     @property
     def ahead(self) -> float:
         """Seconds that can pass in one go: 0 while something moves, inf if nothing ever will."""
+        if self.mains_slew:
+            return 0.0
         if self.settled:
             return self._until_next_level()
-        creeps = self.circuit.drift <= SLOW and self._ramped and self._heat_bends_output
-        return CREEP if creeps else 0.0
+        if self.circuit.drift > SLOW or not self._ramped:
+            return 0.0
+        if self._heat_bends_output:
+            return CREEP
+        return min(self.circuit.stride, self._until_next_level()) if self.load.stores else 0.0
 
     def flow(self, ticks: int) -> None:
         """Let `ticks` pass, as one step of the circuit."""
@@ -145,6 +171,15 @@ class Plant(Inputs):
         self.heat.step(ticks * self.tick, self.loss, self.ambient)
         self.store.step(ticks * self.tick, self.circuit.current)
         self.ticks += ticks
+        if self.mains_slew:
+            self._move_mains(ticks)
+
+    def _move_mains(self, ticks: int) -> None:
+        way, reach = self.mains_goal - self.mains, self.mains_slew * ticks * self.tick
+        if abs(way) <= reach:
+            self.mains, self.mains_slew = self.mains_goal, 0.0
+        else:
+            self.mains += copysign(reach, way)
 
     def _law(self, dt: float) -> Law:
         self.ramps.step(dt, self.voltage_reference, self.current_reference)
@@ -153,7 +188,7 @@ class Plant(Inputs):
             max(self.resistance_reference, self.unit.droop),
             min(self.ramps.current, self.derated_maximum),
             self.power_reference,
-            self.unit.sink_current,
+            self.unit.sink_current and self.heat.derating * self.unit.sink_current,
         )
 
     @property
@@ -166,14 +201,22 @@ class Plant(Inputs):
         if self.heat.temperature < WARM or not self.running:
             return False
         end = self.heat.end(self.loss, self.ambient)
-        touches = self.derated_maximum <= TOUCH * self.circuit.current
+        touches = self.heat.derating <= TOUCH * self._used
         return touches and abs(end - self.heat.temperature) > EVEN
+
+    @property
+    def _used(self) -> float:
+        """Part of the current that the unit can give, or can take in."""
+        current, sink = self.circuit.current, self.unit.sink_current
+        if current < 0.0:
+            return -current / sink if sink else 0.0
+        return current / self.unit.maximum_current
 
     def _until_next_level(self) -> float:
         """Seconds until heat or I2t of a settled plant reach the next level that acts."""
         current, limit = self.circuit.current, self.unit.i2t_limit
         end = self.heat.end(self.loss, self.ambient)
-        bend = derated_at(TOUCH * current / self.unit.maximum_current)
+        bend = derated_at(TOUCH * self._used)
         return min(
             *(self.heat.time_to(level, end) for level in (WARM, bend, HOT)),
             *(self.store.time_to(level, current) for level in (limit / 2, limit)),

@@ -35,6 +35,8 @@ class Protection(NamedTuple):
     condition: Condition
     delay: float = 0.0  # s
     armed: Condition = lambda _: True
+    stays: Condition = lambda _: False
+    """What keeps the error once it is there, beside its condition."""
 
 
 class Rail(NamedTuple):
@@ -99,6 +101,29 @@ def above_derated_current(plant: Plant) -> bool:
     return warm and plant.circuit.current > DERATED_MARGIN * plant.derated_maximum
 
 
+def above_sink_level(plant: Plant) -> bool:
+    """The level of 7.3.15 for the current that a Q4 unit takes in."""
+    hair = HAIR * plant.unit.maximum_current
+    return plant.running and plant.circuit.current < -plant.overcurrent_level - hair
+
+
+def above_derated_sink(plant: Plant) -> bool:
+    """As for the current that it gives."""
+    warm = plant.running and plant.heat.temperature > WARM
+    derated = plant.heat.derating * plant.unit.sink_current
+    return warm and plant.circuit.current < -DERATED_MARGIN * derated
+
+
+def too_hot(plant: Plant) -> bool:
+    """The heat sink at its limit."""
+    return plant.heat.temperature >= HOT
+
+
+def still_hot(plant: Plant) -> bool:
+    """It has to cool down before a reset helps."""
+    return plant.heat.temperature > HOT - plant.cooldown
+
+
 def sense_differs(plant: Plant) -> bool:
     """What is in the sense lines that is not at the terminals."""
     band = SENSE_MARGIN * plant.unit.nominal_voltage
@@ -140,7 +165,10 @@ def protections(unit: UnitType) -> Iterator[Protection]:
     yield Protection(0x21, above_current_level, unit.overcurrent_delay)  # Tab. 67
     yield Protection(0x25, above_derated_current, DERATED_DELAY)
     yield Protection(0x20, lambda plant: plant.store.charge >= unit.i2t_limit)
-    yield Protection(0x51, lambda plant: plant.heat.temperature >= HOT)  # Tab. 71
+    if unit.sink_current:
+        yield Protection(0x29, above_sink_level, unit.overcurrent_delay)
+        yield Protection(0x2A, above_derated_sink, DERATED_DELAY)
+    yield Protection(0x51, too_hot, stays=still_hot)  # Tab. 71
     yield Protection(0x31, sense_differs)  # Tab. 70
     yield Protection(0x33, sense_negative)
     yield from IBC if unit.regenerative else DC_LINK
@@ -191,7 +219,8 @@ class Watch:
 
     def persists(self, error: int, plant: Plant) -> bool:
         """Whether the cause of an error is still there."""
-        return any(row.error == error and row.condition(plant) for row in self._rows)
+        rows = (row for row in self._rows if row.error == error)
+        return any(row.condition(plant) or row.stays(plant) for row in rows)
 
 
 class Latches:

@@ -16,10 +16,20 @@ inputs_of = attrgetter(*(part.name for part in fields(Inputs)))
 
 @dataclass(eq=False)
 class OutputStage(Plant):
-    """Power-on makes a new one. Set values and surroundings are assigned: see `Inputs`."""
+    """Set values and surroundings are assigned: see `Inputs`. It is made with its supply on."""
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
+    def power_off(self) -> None:
+        """Supply goes, and the output with it; time passes in `drain` from here."""
+        self.state = StageState.POWERUP
+        self.circuit.disturb()
+
+    def power_on(self) -> None:
+        """Supply comes: nothing is latched, and voltage, heat and load are what they are."""
+        self._supply()
+        self.circuit.disturb()
+
+    def _supply(self) -> None:
+        super()._supply()
         self._latches = Latches(self, self.tick)
         self._owed = 0.0  # ticks gone by that have not been simulated
         self._calm: Any = None  # the inputs, when with them nothing happens for the time `_ahead`
@@ -85,7 +95,9 @@ class OutputStage(Plant):
     @property
     def rest(self) -> float:
         """Seconds that need no step: 0 while something moves, inf if nothing ever will again."""
-        if self._calm is None or self._calm != inputs_of(self):
+        if self._calm is None or self.load is not self.circuit.load:
+            return 0.0
+        if self._calm != inputs_of(self):
             return 0.0
         return self._ahead
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
-from math import isfinite
+from math import isfinite, pi
 from typing import Literal
 
 Connection = Literal["parallel", "series"]
@@ -44,6 +44,7 @@ class UnitType:
     thermal_capacity: float  # J/K
     sink_current: float = 0.0  # A into the unit; 0 = one quadrant, else the Q4 option
     regenerative: bool = False  # with IBC: it watches the mains itself, not the DC link
+    control_bandwidth: float = 2000.0  # Hz; what it drives lasts so long when a load lets go
 
     def __post_init__(self) -> None:
         if complaint := next(self._complaints(), ""):
@@ -53,6 +54,11 @@ class UnitType:
     def droop(self) -> float:
         """Ohm that stand for the finite gain of the voltage loop: 0.1 part at full current."""
         return 0.1 * self.nominal_voltage / FULL_SCALE / self.maximum_current
+
+    @property
+    def control_delay(self) -> float:
+        """Seconds until the converter has followed a load that lets go."""
+        return 1.0 / (2.0 * pi * self.control_bandwidth)
 
     def system(self, count: int, connection: Connection) -> "UnitType":
         """Figures of `count` equal units that act as one (7.3.1, A-74)."""
