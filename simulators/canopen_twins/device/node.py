@@ -63,7 +63,7 @@ class Stack:
         slave.on_communication_change = self._on_communication_change
         slave.hear = self._hear
         _bind(slave, device)
-        recall(slave, device.memory, kept, area)  # it was checked when it was stored
+        recall(slave, device.memory, kept, area)  # what a service fixes was right when it was kept
         for service in self._services:
             slave.bind(service.objects)
 
@@ -77,7 +77,6 @@ class Stack:
         if self.slave.node_id == UNCONFIGURED:
             self._derive()
             return
-        self.slave.booted = True
         self._nmt.boot_up()
         self._heartbeat.start()
         self._announce(State.PRE_OPERATIONAL)

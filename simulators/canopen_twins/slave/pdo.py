@@ -14,7 +14,7 @@ from canopen.objectdictionary.datatypes import DOMAIN, INTEGER_TYPES, UNSIGNED32
 from canopen_twins.bus import identifiers
 from canopen_twins.slave.eds.reader import DUMMY_TYPES
 from canopen_twins.slave.object import Abort, Address, Entry, Object, Rejected
-from canopen_twins.slave.service import Service, State, check_cob_id, check_cob_id_change
+from canopen_twins.slave.service import Service, State, check_cob_id_change
 from canopen_twins.slave.slave import Slave
 
 LONGEST = 64  # bits of a PDO
@@ -181,7 +181,7 @@ class Pdo(Service):
     @property
     def _is_fixed(self) -> bool:
         """Whether it exists, so that some of its record cannot be changed."""
-        return self.slave.booted and self.cob_id is not None
+        return self.cob_id is not None
 
     @property
     def transmission_type(self) -> int:
@@ -223,9 +223,6 @@ class Pdo(Service):
     def _check_cob_id(self, value: int) -> None:
         if self._fixed & ~value:
             raise Rejected("bit 30 of this RPDO is always 1")
-        if not self.slave.booted:
-            check_cob_id(value)
-            return
         before = self.slave.number(self.record, COB_ID)
         check_cob_id_change(before, value, strict=self.slave.profile.strict_cob_id)
         if before & identifiers.INVALID and not value & identifiers.INVALID:
@@ -246,8 +243,6 @@ class Pdo(Service):
 
     def _check_mapping(self, subindex: int, value: int) -> None:
         """The procedure of CiA 301, 7.5.2.36: PDO off, count 0, entries, count."""
-        if not self.slave.booted:
-            return
         if self.cob_id is not None:
             raise Rejected("a mapping changes while its PDO is off", Abort.ACCESS)
         if not subindex:

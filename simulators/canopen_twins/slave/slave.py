@@ -35,8 +35,6 @@ class Slave(LocalNode):
         """Off the bus for a while: nothing goes out, nothing comes in. A service says so."""
         self.restart = False
         """Whether its communication has to be reset. A service says so."""
-        self.booted = False
-        """Whether who writes is bound to an order; until then stored values come back, in any."""
         self.profile = profile or Profile()
         self.entries: dict[int, dict[int, Entry]] = {}
         self.on_communication_change: Callable[[], None] = lambda: None

@@ -111,16 +111,12 @@ class Sync(Service):
             raise Rejected("this node does not produce SYNC")
         if value & identifiers.INVALID:
             raise Rejected(f"{value:08X}h: bit 31 is always 0")
-        if (
-            self.slave.booted
-            and self._produces
-            and (value ^ self.slave.number(COB_ID)) & ~identifiers.PRODUCES
-        ):
+        if self._produces and (value ^ self.slave.number(COB_ID)) & ~identifiers.PRODUCES:
             raise Rejected("bit 30 has to be cleared before the identifier changes")
         check_cob_id(value & ~identifiers.PRODUCES)
 
     def _check_overflow(self, value: int) -> None:
         if value and value not in COUNTERS:
             raise Rejected(f"a counter runs to 2..240, or there is none: {value}")
-        if self.slave.booted and number(self.slave, PERIOD):
+        if number(self.slave, PERIOD):
             raise Rejected("0x1006 has to be 0 before the counter changes", Abort.DEVICE_STATE)

@@ -86,7 +86,7 @@ class Time(Service):
 
     def _check(self, value: int) -> None:
         before = self.slave.number(COB_ID)
-        if self.slave.booted and before & PRODUCES and (before ^ value) & identifiers.CAN_ID:
+        if before & PRODUCES and (before ^ value) & identifiers.CAN_ID:
             raise Rejected("bit 30 has to be cleared before the identifier changes")
         check_cob_id(value & ~(PRODUCES | CONSUMES))
 
