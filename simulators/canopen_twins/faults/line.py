@@ -188,7 +188,8 @@ LINE: Mapping[str, FaultType] = {
     ),
     "bus_off": FaultType(
         "The node is bus off: it neither sends nor hears, and goes on as it was after that.",
-        "Silence, then heartbeats again without a boot-up: nothing of its state may be assumed.",
+        "Silence, then heartbeats again without a boot-up, and EMCY 0x8140 if the device knows it:"
+        " nothing of its state may be assumed.",
         {"seconds": Parameter("until it recovers, in s; 0: when cleared", 0.0, low=0)},
         BusOff,
     ),
