@@ -15,6 +15,7 @@ from canopen_twins.device.device import Device
 from canopen_twins.errors import UserError, unknown
 
 GROUP = "canopen_twins.devices"
+OF_FILES = "eds"  # the package of devices that are described by a file
 FILES = (".eds", ".dcf", ".xdd", ".xdc")
 """Suffixes of files that describe a device."""
 What: TypeAlias = str | Path | type[Device]
@@ -47,8 +48,9 @@ def find(name: str, beside: Path | None = None) -> type[Device]:
 
         return eds.device_of((beside or Path()) / name)
     if name not in names():
-        told = unknown("device", name, names())
-        raise UserError(f"{told} (the path of an EDS file will do, too)")
+        told = str(unknown("device", name, names()))
+        near = told.endswith("?")
+        raise UserError(told if near else f"{told}; a path to an EDS file is one, too")
     installed = _installed().get(name, ())
     if name in _shipped() and not installed:
         device: type[Device] = import_module(f"{__name__}.{name}").Device
@@ -75,7 +77,7 @@ def name_of(what: What) -> str:
 
 @cache
 def _shipped() -> frozenset[str]:
-    return frozenset(module.name for module in iter_modules(__path__)) - {"eds"}
+    return frozenset(module.name for module in iter_modules(__path__)) - {OF_FILES}
 
 
 @cache
