@@ -68,8 +68,6 @@ class Device:
     profile: Profile = Profile()
     cycle: float = 0.01
     """Seconds between two steps, whole microseconds."""
-    configured_bit_rate: int | None = None
-    """In bit/s, of the bus that its file configures it for; none where no file does."""
     files: tuple[Path, ...] = ()
     """Those that describe it, first the one it is named by; none for a class of Python."""
 
@@ -96,6 +94,11 @@ class Device:
     def node_id(self) -> int:
         """The node id to boot with; asked at power-on and at every reset."""
         return int(self.settings.node_id)
+
+    @property
+    def bit_rate(self) -> int | None:
+        """In bit/s, what it is set to; none where nobody says."""
+        return None
 
     @property
     def online(self) -> bool:

@@ -151,7 +151,7 @@ def _described(path: Path, name: str, version: int) -> type[Device]:
             "eds": str(path),
             "version": version,
             "title": f"{words} ({name})" if words else name,
-            "configured_bit_rate": file.dictionary.bitrate,
+            "bit_rate": file.dictionary.bitrate,
             "files": (path, *file.files),
             "remarks": tuple(file.remarks),
             "settings": Settings(node_id=node_id),
