@@ -7,7 +7,7 @@ from math import isfinite
 from typing import Any, NamedTuple
 
 from canopen.objectdictionary import ODVariable, datatypes
-from canopen.objectdictionary.datatypes import INTEGER_TYPES
+from canopen.objectdictionary.datatypes import FLOAT_TYPES, INTEGER_TYPES
 
 from canopen_twins.errors import UserError
 
@@ -109,8 +109,8 @@ class Entry:
         self.size: int | None = codec.size if codec else None
         self.pack: Callable[[Any], bytes] = codec.pack if codec else variable.encode_raw
         self.unpack: Callable[[bytes], Any] = _first(codec) if codec else variable.decode_raw
-        whole = data_type in INTEGER_TYPES
-        self.low, self.high = (variable.min, variable.max) if whole else (None, None)
+        limited = data_type in INTEGER_TYPES or data_type in FLOAT_TYPES
+        self.low, self.high = (variable.min, variable.max) if limited else (None, None)
         self.obstacle: Callable[[int], str] | None = None
         self._source: Callable[[], Value] | None = None
         self._adjusts: list[Callable[[int], int]] = []

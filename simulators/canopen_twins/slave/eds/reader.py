@@ -416,12 +416,12 @@ class EdsReader:
             return
         try:
             with path.open("rb") as file:
-                content = file.read(LARGEST_DOMAIN + 1)
+                content: bytes | None = file.read(LARGEST_DOMAIN + 1)
         except (OSError, ValueError):
-            self._remark(section, f"UploadFile {name!r} is not beside this file: empty", at)
-            return
-        if len(content) > LARGEST_DOMAIN:
-            self._remark(section, f"UploadFile {name!r} is larger than 16 MiB: empty", at)
+            content = None
+        if content is None or len(content) > LARGEST_DOMAIN:
+            told = "is not beside this file" if content is None else "is larger than 16 MiB"
+            self._remark(section, f"UploadFile {name!r} {told}: as if it were not said", at)
             return
         variable.value = content
         self._eds.files.append(path)
