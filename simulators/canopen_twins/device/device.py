@@ -208,6 +208,9 @@ class Device:
     def on_heartbeat(self, node_id: int, alive: bool) -> None:
         """A node that 0x1016 watches has fallen silent, or is back."""
 
+    def on_emcy(self, node_id: int, emcy: Emcy) -> None:
+        """A node that 0x1028 names has told an emergency."""
+
     def on_rpdo_refused(self, number: int, refusal: Rejected) -> None:
         """An RPDO was too short, or brought a value that an object refused."""
 

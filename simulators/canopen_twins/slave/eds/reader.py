@@ -15,6 +15,7 @@ from canopen import ObjectDictionary
 from canopen.objectdictionary import ODArray, ODRecord, ODVariable
 from canopen.objectdictionary.datatypes import DATA_TYPES, DOMAIN, UNSIGNED8
 
+from canopen_twins.bus.identifiers import UNCONFIGURED
 from canopen_twins.errors import UserError
 from canopen_twins.files.sections import Field, Remark, Section, Sections, read_sections
 from canopen_twins.slave.eds import values, xdd
@@ -34,7 +35,6 @@ KNOWN_TYPES = {*ODVariable.STRUCT_TYPES, *DATA_TYPES, *values.TIMES}
 ACCESS = {"r": "ro", "w": "wo", "read": "ro", "write": "wo", "readonly": "ro", "read/write": "rw"}
 KNOWN_ACCESS = ("ro", "wo", "rw", "rwr", "rww", "const")
 BIT_RATES = (10, 20, 50, 125, 250, 500, 800, 1000)  # kbit/s
-UNCONFIGURED = 255
 COMMISSIONING = ("DeviceComissioning", "DeviceCommissioning")
 LARGEST_DOMAIN = 1 << 24  # bytes
 MOST_LINES = 10_000  # of a comment
