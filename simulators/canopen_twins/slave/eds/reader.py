@@ -237,9 +237,7 @@ class EdsReader:
         section = self._sections.section("DummyUsage")
         if "DummyUsage" not in self._sections:
             allowed = dict.fromkeys(STANDARD_DUMMIES, 1)
-            self._remark(
-                section, "there is no [DummyUsage]: the types 1 to 7 may fill gaps of RPDOs"
-            )
+            self._remark(section, "is not there: the types 1 to 7 may fill gaps of RPDOs")
         else:
             keys = {int(match[1], 16): key for key in section if (match := DUMMY.fullmatch(key))}
             allowed = {index: self._count(section, key) or 0 for index, key in keys.items()}
