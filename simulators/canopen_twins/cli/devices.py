@@ -64,12 +64,14 @@ def add_settings(parser: Parser) -> None:
 def settings(options: argparse.Namespace) -> int:
     """Every setting with its default; A-numbers are explained in the device's page of the docs."""
     rows = [("setting", "default", "assumed", "meaning")]
-    for entry in fields(devices.find(options.device).settings):
+    delivered = devices.find(options.device).settings
+    for entry in fields(delivered):
         told = about(entry)
         unit = f" [{told.unit}]" if told.unit else ""
         within = f", {told.range}" if told.range else ""
         live = "; may change while running" if told.live else ""
-        default = entry.default if isinstance(entry.default, str) else str(entry.default).lower()
+        value = getattr(delivered, entry.name)
+        default = value if isinstance(value, str) else str(value).lower()
         rows.append((entry.name, default, told.assumed, f"{told.text}{unit}{within}{live}"))
     _table(rows)
     return OK
@@ -82,12 +84,12 @@ def add_eds(parser: Parser) -> None:
 
 
 def eds(options: argparse.Namespace) -> int:
-    """The EDS as it is shipped; with settings the DCF of a device that has them."""
+    """The file as it is; with settings the DCF of a device that has them."""
     if given := device_settings(options):
         print(dcf(devices.create(options.device, **given)), end="")
         return OK
     with od_file(devices.find(options.device).eds) as path:
-        print(path.read_text("ascii"), end="")
+        sys.stdout.buffer.write(path.read_bytes())  # in whatever encoding it is
     return OK
 
 

@@ -4,6 +4,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from math import inf
+from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 from canopen import ObjectDictionary
@@ -68,6 +69,8 @@ class Device:
     profile: Profile = Profile()
     cycle: float = 0.01
     """Seconds between two steps, whole microseconds."""
+    files: tuple[Path, ...] = ()
+    """Those that describe it, first the one it is named by; none for a class of Python."""
 
     def __init__(self, **given: object) -> None:
         self.memory = Memory()
@@ -92,6 +95,11 @@ class Device:
     def node_id(self) -> int:
         """The node id to boot with; asked at power-on and at every reset."""
         return int(self.settings.node_id)
+
+    @property
+    def bit_rate(self) -> int | None:
+        """In bit/s, what it is set to; none where nobody says."""
+        return None
 
     @property
     def online(self) -> bool:
