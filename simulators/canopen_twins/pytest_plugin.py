@@ -10,7 +10,7 @@ names of `canopen_twins` are.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterable, Iterator, Set
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Set
 from contextlib import ExitStack, suppress
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -25,6 +25,7 @@ from canopen_twins.errors import UserError
 
 if TYPE_CHECKING:
     from canopen_twins import Bench, Device, Scenario, Verdict
+    from canopen_twins.devices import What
     from canopen_twins.live.twin import LiveTwin
     from canopen_twins.scenario.play import ScenarioBench
 
@@ -136,16 +137,21 @@ def pytest_runtest_makereport(
 class BenchFactory:
     """Makes benches, and lets a failing test show what happened on them."""
 
-    def __init__(self, shown: list[Callable[[], str]]) -> None:
+    def __init__(self, shown: list[Callable[[], str]], test: Path) -> None:
         self._shown = shown
+        self._test = test
 
-    def __call__(self, device: str, **settings: object) -> Bench:
+    def __call__(self, device: What, **settings: object) -> Bench:
         """A bench with one twin: `canopen_bench("topcon", node_id=5, load="resistor 4")`."""
-        return self.watched(canopen_twins.Bench(device, **settings))
+        return self.watched(canopen_twins.Bench(file_beside(self._test, device), **settings))
 
-    def of(self, nodes: dict[str, tuple[str, int] | Device]) -> Bench:
+    def of(self, nodes: Mapping[str, tuple[What, int] | Device]) -> Bench:
         """A bench with several twins, as `Bench.of`."""
-        return self.watched(canopen_twins.Bench.of(nodes))
+        found = {
+            name: (file_beside(self._test, what[0]), what[1]) if isinstance(what, tuple) else what
+            for name, what in nodes.items()
+        }
+        return self.watched(canopen_twins.Bench.of(found))
 
     def watched(self, bench: AnyBench) -> AnyBench:
         """The same bench; a test that fails shows it."""
@@ -157,8 +163,12 @@ class BenchFactory:
 
 @pytest.fixture
 def canopen_bench(request: pytest.FixtureRequest) -> BenchFactory:
-    """Makes benches: `canopen_bench("topcon", node_id=5)`; there is nothing to close."""
-    return BenchFactory(request.node.stash.setdefault(SHOWN, []))
+    """Makes benches: `canopen_bench("topcon", node_id=5)`; there is nothing to close.
+
+    `canopen_bench("drive.eds")` takes the file beside the test, or that of a path from here, and
+    `canopen_bench(Drive)` a class.
+    """
+    return BenchFactory(request.node.stash.setdefault(SHOWN, []), request.path)
 
 
 @pytest.fixture
@@ -199,9 +209,10 @@ def canopen_simulated_time() -> Iterator[Callable[..., None]]:
 def canopen_device(request: pytest.FixtureRequest) -> Iterator[Callable[..., LiveTwin]]:
     """Twins in real time: `canopen_device("topcon", node_id=5)` has booted when it returns.
 
-    It gives a `Twin`, with `bus`: what to open to be on the same bus. The bus is that of
-    `--canopen-interface` and `--canopen-channel`, or of the ini keys `canopen_interface` and
-    `canopen_channel`; a channel of its own on `virtual` otherwise. A bug in a twin fails the test.
+    A file or a class may stand for the name, as with `canopen_bench`. It gives a `Twin`, with
+    `bus`: what to open to be on the same bus. The bus is that of `--canopen-interface` and
+    `--canopen-channel`, or of the ini keys `canopen_interface` and `canopen_channel`; a channel of
+    its own on `virtual` otherwise. A bug in a twin fails the test.
     """
     from canopen_twins.live.twin import LiveTwin  # noqa: PLC0415
 
@@ -212,8 +223,8 @@ def canopen_device(request: pytest.FixtureRequest) -> Iterator[Callable[..., Liv
     }
     with ExitStack() as running:
 
-        def start(device: str, **settings: object) -> LiveTwin:
-            twin = LiveTwin(device, settings, bus)
+        def start(device: What, **settings: object) -> LiveTwin:
+            twin = LiveTwin(file_beside(request.path, device), settings, bus)
             shown.append(twin.scene)
             return running.enter_context(twin)
 
@@ -285,6 +296,14 @@ def beside(test: Path, name: str) -> Scenario:
     except UserError as mistakes:
         told = str(mistakes)
     pytest.fail(told, pytrace=False)
+
+
+def file_beside(test: Path, device: What) -> What:
+    """The path of a device's file that lies beside a test; anything else as it is."""
+    if isinstance(device, type):
+        return device
+    file = test.parent / device
+    return file if file.is_file() else device
 
 
 def settle(item: pytest.Item) -> None:

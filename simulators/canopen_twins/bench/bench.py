@@ -83,14 +83,15 @@ class Bench(BenchTwin):
 
     `Bench("topcon", node_id=5, load="resistor 4")` has one twin, and is the handle on it.
     `Bench.of({"left": ("topcon", 5), "right": ("topcon", 6)})` has several: `bench["left"].sdo`.
+    Where a name stands, the path of an EDS file or a class may stand: `Bench("drive.eds")`.
 
     Raises:
         UserError: an unknown device or setting, or two nodes with one id.
     """
 
-    def __init__(self, device: str | Mapping[str, Device], **settings: object) -> None:
-        if isinstance(device, str):
-            device = {device: devices.create(device, **settings)}
+    def __init__(self, device: devices.What | Mapping[str, Device], **settings: object) -> None:
+        if not isinstance(device, Mapping):
+            device = {devices.name_of(device): devices.create(device, **settings)}
         elif settings:
             raise UserError(
                 f"which device of several has {', '.join(settings)}? Give it to that one"
@@ -107,7 +108,7 @@ class Bench(BenchTwin):
         self._begin()
 
     @classmethod
-    def of(cls, nodes: Mapping[str, tuple[str, int] | Device]) -> Self:
+    def of(cls, nodes: Mapping[str, tuple[devices.What, int] | Device]) -> Self:
         """Several nodes on one bus and one clock: for each name a device and its node id."""
         return cls({name: _device(what) for name, what in nodes.items()})
 
@@ -160,7 +161,7 @@ class Bench(BenchTwin):
         return [str(record.frame) for record in records if record.sender in self.twins]
 
 
-def _device(what: tuple[str, int] | Device) -> Device:
+def _device(what: tuple[devices.What, int] | Device) -> Device:
     if isinstance(what, Device):
         return what
     name, node_id = what

@@ -8,7 +8,8 @@ from typing import Any
 
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError, unknown
-from canopen_twins.slave.object import Rejected
+from canopen_twins.slave.dictionary import Names, address_text
+from canopen_twins.slave.object import Entry, Rejected
 
 
 class Twin(ABC):
@@ -53,10 +54,11 @@ class Twin(ABC):
     def values(self, *wanted: str) -> Mapping[str, object]:
         """Entries of the dictionary by their names in the EDS, read without a frame on the bus.
 
-        Without a name all that a master can read; none while the twin is silent.
+        An address such as 0x1018:01 will do as well; it is the name of those that share theirs with
+        another. Without a name all that a master can read; none while the twin is silent.
 
         Raises:
-            UserError: there is no such entry that can be read.
+            UserError: there is no such entry that can be read, or there are several.
         """
         values: Mapping[str, object] = self.ask("values", wanted)
         return values
@@ -124,18 +126,25 @@ def _power_on(node: Node, settings: Mapping[str, object]) -> None:
 def _values(node: Node, wanted: Sequence[str]) -> dict[str, object]:
     node.look()
     objects = {} if node.slave is None else node.slave.entries
-    entries = {
-        entry.variable.qualname: entry
-        for entry in chain.from_iterable(map(dict.values, objects.values()))
-        if entry.readable
-    }
+    readable = [
+        entry for entry in chain.from_iterable(map(dict.values, objects.values())) if entry.readable
+    ]
+    names = Names((entry.variable.qualname, entry.address, entry) for entry in readable)
+    addresses = {address_text(entry.address): entry for entry in readable}
     values: dict[str, object] = {}
-    for name in wanted or entries:
-        if name not in entries:
-            raise unknown("object", name, entries)
+    for name in wanted or [_told(entry, names) for entry in readable]:
+        if name not in names and name not in addresses:
+            raise unknown("object", name, names)
+        entry = addresses.get(name) or names[name]
         with suppress(Rejected):  # a master would be refused, too
-            values[name] = entries[name].unpack(entries[name].read())
+            values[name] = entry.unpack(entry.read())
     return values
+
+
+def _told(entry: Entry, names: Names[Entry]) -> str:
+    """The name of an entry; its address if others have that name, too."""
+    name: str = entry.variable.qualname
+    return address_text(entry.address) if names.is_of_several(name) else name
 
 
 QUESTIONS: Mapping[str, Callable[..., Any]] = {

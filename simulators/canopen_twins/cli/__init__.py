@@ -44,7 +44,7 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
         "play": "play scenarios in simulated time: a trace in candump format, then the verdict"
     },
     "check": {
-        "check": "say what is wrong with scenarios, without playing them",
+        "check": "say what is wrong with scenarios, bench files and EDS files",
         "schema": "print the JSON Schema of scenarios or of bench files, for editors",
     },
     "replay": {

@@ -1,36 +1,73 @@
-"""check and schema: what scenarios may say, and what is wrong with those there are."""
+"""check and schema: what the files of users may say, and what is wrong with those there are."""
 
 import argparse
 import json
 import sys
+from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 
+from canopen_twins import devices
 from canopen_twins import scenario as rules
+from canopen_twins.bench.bench import Bench
 from canopen_twins.cli.command import OK, SCENARIO, WRONG_INPUT, Parser
+from canopen_twins.devices.eds import described
 from canopen_twins.errors import UserError, unknown
+from canopen_twins.files.document import Item, understand
 from canopen_twins.files.shipped import scenario_file, scenarios
+
+BENCH_KEYS = {"version", "note", "nodes"}
 
 
 def add_check(parser: Parser) -> None:
     """check."""
-    parser.add_argument("scenarios", nargs="+", metavar="SCENARIO", help=SCENARIO)
+    text = f"a scenario ({SCENARIO}), a bench file, or an EDS, DCF, XDD or XDC file"
+    parser.add_argument("files", nargs="+", metavar="FILE", help=text)
     parser.set_defaults(command=check)
 
 
 def check(options: argparse.Namespace) -> int:
-    """Say of every scenario whether it can be played; 2 if one cannot."""
+    """Say of every file whether it can be played, run or made a twin of; 2 if one cannot."""
     wrong = False
-    for name in options.scenarios:
+    for name in options.files:
         try:
-            load(name)
+            remarks = _remarks(name)
         except UserError as error:
             print(error, file=sys.stderr)
             wrong = True
-        else:
-            print(f"{name}: ok")
+            continue
+        for line in remarks:
+            print(line)
+        print(f"{name}: ok{f', with {_counted(remarks)}' if remarks else ''}")
     return WRONG_INPUT if wrong else OK
+
+
+def _remarks(name: str) -> Sequence[str]:
+    """What is unusual in a file of which there can be a twin; none of other files.
+
+    Raises:
+        UserError: the file is of no use.
+    """
+    path = Path(name)
+    if devices.is_file(name):
+        kind = described(path)
+        Bench(kind)  # it boots
+        return [remark.told(name) for remark in kind.remarks]
+    if path.exists() and understand(path, _is_bench):
+        rules.load_bench(path)
+    else:
+        load(name)
+    return ()
+
+
+def _is_bench(file: Item) -> bool:
+    """Whether all that it says is what bench files say, which have no steps."""
+    return "nodes" in file.pairs and file.pairs.keys() <= BENCH_KEYS
+
+
+def _counted(remarks: Sequence[str]) -> str:
+    return "1 remark" if len(remarks) == 1 else f"{len(remarks)} remarks"
 
 
 def load(name: str) -> rules.Scenario:

@@ -82,12 +82,12 @@ def add_eds(parser: Parser) -> None:
 
 
 def eds(options: argparse.Namespace) -> int:
-    """The EDS as it is shipped; with settings the DCF of a device that has them."""
+    """The file as it is; with settings the DCF of a device that has them."""
     if given := device_settings(options):
         print(dcf(devices.create(options.device, **given)), end="")
         return OK
     with od_file(devices.find(options.device).eds) as path:
-        print(path.read_text("ascii"), end="")
+        sys.stdout.buffer.write(path.read_bytes())  # in whatever encoding it is
     return OK
 
 

@@ -31,7 +31,7 @@ def replay(options: argparse.Namespace) -> int:
     with TemporaryDirectory() as folder:
         anew = Path(folder) / "replay"
         scenario = recorded.scenario.read_bytes() if recorded.manifest.scenario else None
-        with record(anew, recorded.manifest, scenario) as observer:
+        with record(anew, recorded.manifest, scenario, recorded.device_files) as observer:
             watched = [plot.begin] if plot else []
             reproduce(recorded, [observer, print_frames(sys.stdout), *watched])
         same, told = differences(Side.of("record", options.record), Side.of("replay", anew))

@@ -103,7 +103,7 @@ def recording(
         yield observers
         return
     # a run that keeps nothing starts without pydantic
-    from canopen_twins.record import Manifest, record, trace_file  # noqa: PLC0415
+    from canopen_twins.record import Manifest, device_files, record, trace_file  # noqa: PLC0415
 
     with ExitStack() as stack:
         if options.trace is not None:
@@ -112,5 +112,6 @@ def recording(
             manifest, text = Manifest.of(kind, scenario, participants), None
             if scenario is not None:
                 text = stack.enter_context(found(str(scenario.file))).read_bytes()
-            observers.append(stack.enter_context(record(options.record, manifest, text)))
+            files = device_files(participants.values())
+            observers.append(stack.enter_context(record(options.record, manifest, text, files)))
         yield observers

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import logging
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
@@ -34,6 +35,8 @@ from canopen_twins.live.serve import serve
 from canopen_twins.scenario import Player, Scenario, begin, load_bench
 from canopen_twins.scenario.scenario import NodeSpec
 from canopen_twins.slave.memory import Memory
+
+log = logging.getLogger(__name__)
 
 LISTEN, LISTEN_LONG = 0.3, 1.5  # seconds; on a real bus a heartbeat of a second should be heard
 OF_ONE_DEVICE = ("node-id", "set", "config", "nvram")
@@ -113,7 +116,12 @@ def _opening(bus: NamedBus, segment: Segment[Node]) -> OpenBus:
 def _ready(title: str, segment: Segment[Node]) -> dict[str, object]:
     """What is run, with one node id, or with those of all nodes of a file."""
     ids = {node.wire.name: node.node_id for node in segment.nodes}
-    return {"ready": title, **({"node_id": ids[title]} if title in ids else {"nodes": ids})}
+    said = {"node_id": ids[title]} if title in ids else {"nodes": ids}
+    rates = {node.device.configured_bit_rate for node in segment.nodes} - {None}
+    if len(rates) > 1:
+        told = " and ".join(f"{rate} bit/s" for rate in sorted(filter(None, rates)))
+        log.warning("the files of %s are for %s: one bus has one bit rate", title, told)
+    return {"ready": title, **said, **({"bit_rate": rates.pop()} if len(rates) == 1 else {})}
 
 
 def _title(options: argparse.Namespace, scenario: Scenario | None) -> str:
@@ -129,7 +137,8 @@ def _participants(options: argparse.Namespace, scenario: Scenario | None) -> dic
     Raises:
         UserError: there is no such device or file, or it cannot be as it is told to be.
     """
-    if "/" in (options.device or "") or str(options.device).endswith((".yaml", ".yml")):
+    name = options.device or ""
+    if not devices.is_file(name) and ("/" in name or name.endswith((".yaml", ".yml"))):
         _refuse(options, options.device, (*OF_ONE_DEVICE, "scenario"))
         return _delivered(_of_bench(options.device))
     if scenario is not None:

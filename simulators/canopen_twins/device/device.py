@@ -4,6 +4,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from math import inf
+from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 from canopen import ObjectDictionary
@@ -67,6 +68,10 @@ class Device:
     profile: Profile = Profile()
     cycle: float = 0.01
     """Seconds between two steps, whole microseconds."""
+    configured_bit_rate: int | None = None
+    """In bit/s, of the bus that its file configures it for; none where no file does."""
+    files: tuple[Path, ...] = ()
+    """Those that describe it, first the one it is named by; none for a class of Python."""
 
     def __init__(self, **given: object) -> None:
         self.memory = Memory()

@@ -9,6 +9,7 @@ from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from pkgutil import iter_modules
+from typing import TypeAlias
 
 from canopen_twins.device.device import Device
 from canopen_twins.errors import UserError, unknown
@@ -16,11 +17,18 @@ from canopen_twins.errors import UserError, unknown
 GROUP = "canopen_twins.devices"
 FILES = (".eds", ".dcf", ".xdd", ".xdc")
 """Suffixes of files that describe a device."""
+What: TypeAlias = str | Path | type[Device]
+"""A device by its name, by its file, or by its class."""
 
 
 def names() -> list[str]:
     """The names of all devices, also of those that `find` refuses."""
     return sorted({*_shipped(), *_installed()})
+
+
+def is_file(name: str) -> bool:
+    """Whether a name is the path of a file that describes a device."""
+    return name.lower().endswith(FILES)
 
 
 def find(name: str, beside: Path | None = None) -> type[Device]:
@@ -34,13 +42,13 @@ def find(name: str, beside: Path | None = None) -> type[Device]:
         UserError: there is no device of this name, or several, or it cannot be imported; there is
             no such file, or it describes no device.
     """
-    if name.lower().endswith(FILES):
+    if is_file(name):
         from canopen_twins.devices import eds  # noqa: PLC0415 - most processes need none
 
         return eds.device_of((beside or Path()) / name)
     if name not in names():
         told = unknown("device", name, names())
-        raise UserError(f"{told}; a path to an EDS file is one, too")
+        raise UserError(f"{told} (the path of an EDS file will do, too)")
     installed = _installed().get(name, ())
     if name in _shipped() and not installed:
         device: type[Device] = import_module(f"{__name__}.{name}").Device
@@ -51,13 +59,18 @@ def find(name: str, beside: Path | None = None) -> type[Device]:
     return _imported(installed[0])
 
 
-def create(name: str, **settings: object) -> Device:
-    """A device by its name, with its power off.
+def create(what: What, **settings: object) -> Device:
+    """A device by its name, its file or its class, with its power off.
 
     Raises:
         UserError: no such device, or settings that are unknown or of the wrong kind.
     """
-    return find(name)(**settings)
+    return (what if isinstance(what, type) else find(str(what)))(**settings)
+
+
+def name_of(what: What) -> str:
+    """What a node is called that is named after its device."""
+    return what.__name__ if isinstance(what, type) else str(what)
 
 
 @cache

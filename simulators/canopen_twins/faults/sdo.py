@@ -1,6 +1,6 @@
 """Protocol level, SDO: accesses to objects are refused, not answered, or answered wrongly."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from canopen import ObjectDictionary
@@ -23,7 +23,8 @@ from canopen_twins.faults.disturbance import (
     late,
     lost,
 )
-from canopen_twins.slave.dictionary import entries, parse_address
+from canopen_twins.slave.dictionary import Names, entries, parse_address
+from canopen_twins.slave.object import Address
 from canopen_twins.slave.sdo_server import SdoServer
 from canopen_twins.slave.service import State
 
@@ -72,13 +73,17 @@ def _address(od: ObjectDictionary, object: int | str) -> tuple[int | None, int |
         return object, None
     if (address := parse_address(object)) is not None:
         return address
-    names: dict[str, tuple[int, int | None]] = {
-        **{name: (entry.index, entry.subindex) for name, entry in entries(od)},
-        **{name: (whole.index, None) for name, whole in od.names.items()},
-    }
+    names: Names[tuple[int, int | None]] = Names(_named(od))
     if object not in names:
         raise unknown("object", object, names)
     return names[object]
+
+
+def _named(od: ObjectDictionary) -> Iterator[tuple[str, Address, tuple[int, int | None]]]:
+    for name, entry in entries(od):
+        yield name, (entry.index, entry.subindex), (entry.index, entry.subindex)
+    for index, whole in od.indices.items():
+        yield whole.name, (index, 0), (index, None)
 
 
 class SdoFilter(Filtering):

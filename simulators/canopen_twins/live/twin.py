@@ -25,17 +25,20 @@ PATIENCE = 10.0  # seconds for the thread to do what it is asked
 class LiveTwin(Twin, AbstractContextManager["LiveTwin"]):
     """Everything the twin does happens in its thread between two frames, orders as well."""
 
-    def __init__(self, device: str, settings: Mapping[str, object], bus: Mapping[str, Any]) -> None:
+    def __init__(
+        self, device: devices.What, settings: Mapping[str, object], bus: Mapping[str, Any]
+    ) -> None:
+        name = devices.name_of(device)
         self.bus = dict(bus)
         """What to open to be on the same bus: `can.Bus(**twin.bus)`."""
         self._segment: Segment[Node] = Segment()
-        self._node: Node = connect(self._segment, devices.create(device, **settings), device)
+        self._node: Node = connect(self._segment, devices.create(device, **settings), name)
         self._segment.listeners.append(self._record)
         self._records: deque[Record] = deque(maxlen=SHOWN)
         self._orders: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self._ready, self._stop = Event(), Event()
         self._bug: BaseException | None = None
-        self._thread = Thread(target=self._run, name=f"twin {device}")
+        self._thread = Thread(target=self._run, name=f"twin {name}")
 
     def __enter__(self) -> "LiveTwin":
         self._thread.start()

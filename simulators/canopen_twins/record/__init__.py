@@ -2,7 +2,7 @@
 
 from canopen_twins.record.differences import Side, differences
 from canopen_twins.record.folder import Recorded, record, reproduce
-from canopen_twins.record.manifest import Manifest
+from canopen_twins.record.manifest import Manifest, device_files
 from canopen_twins.record.trace import Observer, trace_file
 
 __all__ = [
@@ -10,6 +10,7 @@ __all__ = [
     "Observer",
     "Recorded",
     "Side",
+    "device_files",
     "differences",
     "record",
     "reproduce",

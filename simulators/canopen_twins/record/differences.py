@@ -68,9 +68,11 @@ class Side:
     def _decoder(self) -> Decoder:
         """With the dictionaries that the devices of a record have after a boot."""
         segment: Segment[Node] = Segment()
+        if self.recorded is None:
+            return Decoder([])
         try:
-            for node in self.recorded.manifest.nodes if self.recorded else ():
-                connect(segment, node.create(), node.name)
+            for node in self.recorded.manifest.nodes:
+                connect(segment, node.create(self.recorded.folder), node.name)
         except UserError:  # a record of devices that are here no more still has its frames
             return Decoder([])
         for connected in segment.nodes:

@@ -1,6 +1,6 @@
 """The folder of a record: filled while a run goes on, and read to live through the run again."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -10,12 +10,13 @@ from canopen_twins import devices
 from canopen_twins.bus.clock import MICROSECONDS
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Segment
+from canopen_twins.device.device import Device
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
 from canopen_twins.faults import connect
 from canopen_twins.files.whole import folder_part
 from canopen_twins.record.journal import END, HEARD, EventLine, Journal, read_events
-from canopen_twins.record.manifest import Manifest, digest, read_manifest, version_now
+from canopen_twins.record.manifest import DEVICES, Manifest, digest, read_manifest, version_now
 from canopen_twins.record.trace import Observer, read_frames
 from canopen_twins.scenario import Player, Scenario, begin, load, play, print_frames
 from canopen_twins.scenario.scenario import NodeSpec
@@ -24,8 +25,16 @@ RUN, SCENARIO, TRACE, EVENTS = "run.json", "scenario.yaml", "trace.log", "events
 
 
 @contextmanager
-def record(folder: Path, manifest: Manifest, scenario: bytes | None) -> Iterator[Observer]:
+def record(
+    folder: Path, manifest: Manifest, scenario: bytes | None, files: Mapping[str, bytes]
+) -> Iterator[Observer]:
     """Fills a new folder; a run that is cut short leaves it under a name that ends in `.part`.
+
+    Args:
+        folder: There must be none yet.
+        manifest: What there is to say before the run begins.
+        scenario: The file that is played, if there is one.
+        files: What describes devices, by its paths in the record.
 
     Raises:
         UserError: there is something already, or it cannot be written.
@@ -34,6 +43,9 @@ def record(folder: Path, manifest: Manifest, scenario: bytes | None) -> Iterator
         (part / RUN).write_text(manifest.text, "utf-8", newline="\n")
         if scenario is not None:
             (part / SCENARIO).write_bytes(scenario)
+        for name, content in files.items():
+            (part / name).parent.mkdir(parents=True, exist_ok=True)
+            (part / name).write_bytes(content)
         with _lines(part / TRACE) as trace, _lines(part / EVENTS) as events:
             journals: list[Journal] = []
 
@@ -79,6 +91,12 @@ class Recorded:
         return self.folder / SCENARIO
 
     @property
+    def device_files(self) -> dict[str, bytes]:
+        """What describes its devices, by its paths in the record."""
+        files = sorted(path for path in (self.folder / DEVICES).rglob("*") if path.is_file())
+        return {path.relative_to(self.folder).as_posix(): path.read_bytes() for path in files}
+
+    @property
     def events(self) -> Iterator[EventLine]:
         """What happened beside the frames; raises `UserError` where that is damaged."""
         return read_events(self._events)
@@ -114,10 +132,19 @@ class Recorded:
         if self.manifest.scenario is None:
             return None
         nodes = {  # with every setting they had, so that no default of today matters
-            node.name: NodeSpec(devices.find(node.device), node.settings)
+            node.name: NodeSpec(devices.find(node.device, self.folder), node.settings)
             for node in self.manifest.nodes
         }
-        return replace(load(self.scenario), file=Path(self.manifest.scenario), nodes=nodes)
+        kinds = iter([spec.device for spec in nodes.values()])
+
+        def find(name: str) -> type[Device]:
+            """The scenario is asked node by node; where its files lay then does not matter."""
+            if (kind := next(kinds, None)) is None:
+                raise UserError(f"{self.scenario} has more nodes than {RUN}")
+            return kind
+
+        scenario = load(self.scenario, find)
+        return replace(scenario, file=Path(self.manifest.scenario), nodes=nodes)
 
 
 def reproduce(recorded: Recorded, observers: Iterable[Observer]) -> None:
@@ -132,7 +159,8 @@ def reproduce(recorded: Recorded, observers: Iterable[Observer]) -> None:
         return
     segment: Segment[Node] = Segment()
     nodes = {
-        node.name: connect(segment, node.create(), node.name) for node in recorded.manifest.nodes
+        node.name: connect(segment, node.create(recorded.folder), node.name)
+        for node in recorded.manifest.nodes
     }
     begin(segment, Player(scenario, segment, nodes) if scenario else None, observers)
     segment.deliver()

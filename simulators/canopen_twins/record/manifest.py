@@ -7,6 +7,7 @@ from contextlib import suppress
 from dataclasses import asdict
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, entry_points, version
+from os.path import commonpath
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
@@ -22,6 +23,7 @@ FORMAT = 1  # of the whole record
 LARGEST_FILE = 1 << 23  # bytes; a memory is at most 1 MiB
 PACKAGES = ("canopen-twins", "canopen", "python-can")
 PYTHON = "python"
+DEVICES = "devices"  # the folder in a record of what describes them
 
 Value: TypeAlias = bool | int | float | str | None
 
@@ -31,16 +33,20 @@ class Participant(BaseModel, frozen=True, extra="forbid", strict=True):
 
     name: str
     device: str
+    """Its name, or the path in the record of the file that describes it."""
     settings: dict[str, Value]
     memory: dict[str, dict[str, Any]]
 
-    def create(self) -> Device:
+    def create(self, folder: Path) -> Device:
         """The same device once more, with its power off.
+
+        Args:
+            folder: Of the record, where the files are that describe devices.
 
         Raises:
             UserError: there is none like this any more.
         """
-        device = devices.create(self.device, **self.settings)
+        device = devices.find(self.device, folder)(**self.settings)
         device.memory = Memory()
         for section, values in self.memory.items():
             device.memory.store(section, values)
@@ -74,7 +80,8 @@ class Manifest(BaseModel, frozen=True, extra="forbid", strict=True):
         Raises:
             UserError: a device that cannot be had by a name.
         """
-        nodes = [_participant(name, device) for name, device in participants.items()]
+        copies = copied(participants.values())
+        nodes = [_participant(name, device, copies) for name, device in participants.items()]
         return cls(
             kind=kind,
             scenario=None if scenario is None else str(scenario.file),
@@ -142,10 +149,41 @@ def _versions(names: Iterable[str]) -> dict[str, str]:
     return {name: version_now(name) for name in (*PACKAGES, *sorted(owners), PYTHON)}
 
 
-def _participant(name: str, device: Device) -> Participant:
+def copied(participants: Iterable[Device]) -> dict[tuple[Path, ...], dict[Path, str]]:
+    """The files that describe devices, and where they are in the record.
+
+    Each device has a folder, in which they lie as they lay to each other.
+    """
+    found: dict[tuple[Path, ...], dict[Path, str]] = {}
+    kinds = dict.fromkeys(device.files for device in participants if device.files)
+    for number, files in enumerate(kinds, 1):
+        above = commonpath([file.parent for file in files])
+        folder = Path(DEVICES, str(number))
+        found[files] = {file: (folder / file.relative_to(above)).as_posix() for file in files}
+    return found
+
+
+def device_files(participants: Iterable[Device]) -> dict[str, bytes]:
+    """What a record keeps of them, by their paths in it.
+
+    Raises:
+        UserError: one cannot be read any more.
+    """
+    places = [place for files in copied(participants).values() for place in files.items()]
+    try:
+        return {path: file.read_bytes() for file, path in places}
+    except OSError as failure:
+        raise UserError(f"{failure.filename}: {failure.strerror}") from failure
+
+
+def _participant(
+    name: str, device: Device, copies: Mapping[tuple[Path, ...], Mapping[Path, str]]
+) -> Participant:
     memory = {section: dict(values) for section, values in device.memory.content.items()}
     told = asdict(device.settings)
-    return Participant(name=name, device=_name(type(device)), settings=told, memory=memory)
+    files = device.files
+    kind = copies[files][files[0]] if files else _name(type(device))
+    return Participant(name=name, device=kind, settings=told, memory=memory)
 
 
 def _name(device: type[Device]) -> str:

@@ -18,7 +18,8 @@ def load(path: str | Path, find: Find = devices.find) -> Scenario:
 
     Args:
         path: Of the file.
-        find: The class of a device by its name; raises `UserError` if there is none.
+        find: The class of a device by its name, or by the path of a file that describes one; raises
+            `UserError` if there is none.
 
     Raises:
         ScenarioError: with a line for everything that is wrong.

@@ -5,8 +5,10 @@ What it refuses is pointed at there, so that a typo never reaches the bus.
 
 from collections.abc import Callable, Mapping
 from dataclasses import fields
+from pathlib import Path
 from typing import Any
 
+from canopen_twins import devices
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.device import Device
 from canopen_twins.device.faults import Fault, argument
@@ -83,13 +85,14 @@ class Rehearsal:
 
 
 class Participants:
-    """The nodes of a file, on one bus, by their names.
+    """The nodes of a file, on one bus, by their names; paths begin `beside` the file.
 
     One that cannot take part is a problem; what is told of it is not looked at.
     """
 
-    def __init__(self, find: Find, seed: int | None = None) -> None:
+    def __init__(self, find: Find, beside: Path, seed: int | None = None) -> None:
         self.specs: dict[str, NodeSpec] = {}
+        self._beside = beside
         self._find = find
         self._seed = seed
         self._names: list[str] = []
@@ -122,8 +125,9 @@ class Participants:
         return self._rehearsals[names[0]]
 
     def _spec(self, node: schema.Node) -> NodeSpec:
+        name = node.device.text
         with node.device.blamed():
-            kind = self._find(node.device.text)
+            kind = self._find(str(self._beside / name) if devices.is_file(name) else name)
         given = _delivered(node.settings or {}, kind)
         if node.node_id is not None:
             given["node_id"] = node.node_id

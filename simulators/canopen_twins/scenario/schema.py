@@ -284,7 +284,7 @@ class Node(Table):
     """A device as it is delivered."""
 
     device: Name
-    """Which device, by its name in `canopen-twin list`."""
+    """Which device, by its name in `canopen-twin list`, or the path of its EDS file from here."""
     node_id: NodeId | None = None
     """The node id it is delivered with, 1..127."""
     settings: Parameters | None = None

@@ -8,7 +8,7 @@ from canopen.objectdictionary import ODVariable
 from canopen.objectdictionary.datatypes import VISIBLE_STRING
 
 from canopen_twins.errors import UserError, unknown
-from canopen_twins.slave.dictionary import address_text, entries, parse_address
+from canopen_twins.slave.dictionary import Names, address_text, entries, parse_address
 from canopen_twins.slave.object import Address
 
 
@@ -35,13 +35,13 @@ class Targets:
     """The objects of one dictionary."""
 
     def __init__(self, od: ObjectDictionary) -> None:
-        self._known = dict(_named(od))
+        self._known = Names(_named(od))
 
     def find(self, text: str) -> Target:
         """An object that is there.
 
         Raises:
-            UserError: it is not.
+            UserError: it is not, or several have this name.
         """
         name = self._address(text) if text.startswith("0x") else text
         if name not in self._known:
@@ -79,9 +79,10 @@ class Targets:
         return text
 
 
-def _named(od: ObjectDictionary) -> Iterator[tuple[str, ODVariable]]:
+def _named(od: ObjectDictionary) -> Iterator[tuple[str, Address, ODVariable]]:
     for name, variable in entries(od):
-        yield name, variable
+        address = variable.index, variable.subindex
+        yield name, address, variable
         if variable.parent is od:
-            yield f"0x{variable.index:04X}", variable
-        yield address_text((variable.index, variable.subindex)), variable
+            yield f"0x{variable.index:04X}", address, variable
+        yield address_text(address), address, variable

@@ -2,14 +2,16 @@
 
 import pickle
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
+from typing import TypeVar
 
 from canopen import ObjectDictionary
 from canopen.objectdictionary import ODVariable
 
 from canopen_twins.bus.sdo import Address
+from canopen_twins.errors import UserError
 from canopen_twins.files.shipped import od_file
 from canopen_twins.slave.eds.reader import Eds, entries_of, read_eds
 
@@ -66,6 +68,45 @@ def address_text(address: Address) -> str:
 
 def entries(od: ObjectDictionary) -> Iterator[tuple[str, ODVariable]]:
     """Every entry with the name that users call it by: Run command, or Record.Entry."""
-    for item in od.names.values():
+    for item in od.indices.values():
         for variable in entries_of(item).values():
             yield variable.qualname, variable
+
+
+Item = TypeVar("Item")
+
+
+class Names(Mapping[str, Item]):
+    """What names stand for; one that several have stands for none of them, and says so.
+
+    Looking it up raises `UserError`.
+    """
+
+    def __init__(self, named: Iterable[tuple[str, Address, Item]]) -> None:
+        self._items: dict[str, Item] = {}
+        self._addresses: dict[str, dict[Address, None]] = {}
+        for name, address, item in named:
+            self._items[name] = item
+            self._addresses.setdefault(name, {})[address] = None
+
+    def is_of_several(self, name: str) -> bool:
+        """Whether a name says not enough."""
+        return len(self._addresses[name]) > 1
+
+    def __getitem__(self, name: str) -> Item:
+        if name in self._items and self.is_of_several(name):
+            first, second, *more = map(address_text, self._addresses[name])
+            others = f" and {len(more)} more" if more else ""
+            raise UserError(
+                f"{name!r} is the name of {first} and {second}{others}: say which by its address"
+            )
+        return self._items[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._items
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._items)
+
+    def __len__(self) -> int:
+        return len(self._items)

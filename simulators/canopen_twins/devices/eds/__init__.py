@@ -17,6 +17,7 @@ from canopen_twins.device.device import Device as AnyDevice
 from canopen_twins.device.settings import NodeSettings, setting
 from canopen_twins.devices.eds.network import Network
 from canopen_twins.errors import UserError
+from canopen_twins.files.sections import Remark
 from canopen_twins.slave.dictionary import dictionary, read
 from canopen_twins.slave.eds.reader import UNCONFIGURED, entries_of
 from canopen_twins.slave.lss import LssSlave
@@ -45,6 +46,8 @@ class Device(AnyDevice):
 
     settings = Settings()
     profile = Profile(block=True)
+    remarks: tuple[Remark, ...] = ()
+    """What is wrong or unusual in the file."""
 
     @property
     def modules(self) -> Sequence[int] | None:
@@ -111,18 +114,29 @@ def device_of(path: Path) -> type[Device]:
     Raises:
         UserError: there is no such file, or it describes no device.
     """
+    kind = described(path)
+    for remark in kind.remarks:
+        _warn(kind.files[0], remark)
+    return kind
+
+
+@cache
+def _warn(path: Path, remark: Remark) -> None:
+    log.warning("%s", remark.told(path.name))
+
+
+def described(path: Path) -> type[Device]:
+    """The same for whoever tells its remarks in another way."""
     try:
         changed = path.stat().st_mtime_ns
     except OSError as failure:
         raise UserError(f"{path}: {failure.strerror}") from failure
-    return _device_of(path.resolve(), path.name, changed)
+    return _described(path.resolve(), path.name, changed)
 
 
 @cache
-def _device_of(path: Path, name: str, _: int) -> type[Device]:
+def _described(path: Path, name: str, _: int) -> type[Device]:
     file = read(str(path))
-    for remark in file.remarks:
-        log.warning("%s", remark.told(name))
     told = file.dictionary.device_information
     words = " ".join(filter(None, (told.vendor_name, told.product_name)))
     node_id = file.node_id if file.node_id not in {None, UNCONFIGURED} else DELIVERED
@@ -134,6 +148,9 @@ def _device_of(path: Path, name: str, _: int) -> type[Device]:
             "__doc__": f"The device of {name}.",
             "eds": str(path),
             "title": f"{words} ({name})" if words else name,
+            "configured_bit_rate": file.dictionary.bitrate,
+            "files": (path, *file.files),
+            "remarks": tuple(file.remarks),
             "settings": Settings(node_id=node_id),
         },
     )

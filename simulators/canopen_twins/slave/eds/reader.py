@@ -35,6 +35,8 @@ ACCESS = {"r": "ro", "w": "wo", "read": "ro", "write": "wo", "readonly": "ro", "
 KNOWN_ACCESS = ("ro", "wo", "rw", "rwr", "rww", "const")
 BIT_RATES = (10, 20, 50, 125, 250, 500, 800, 1000)  # kbit/s
 UNCONFIGURED = 255
+COMMISSIONING = ("DeviceComissioning", "DeviceCommissioning")
+LARGEST_DOMAIN = 1 << 24  # bytes
 MOST_LINES = 10_000  # of a comment
 HIGHEST_SUB = 0xFE
 LIMITS = {"LowLimit": "min", "HighLimit": "max"}
@@ -75,6 +77,8 @@ class Eds:
     node_id: int | None = None
     """That of a DCF: 1..127, or 255 for a node that has none yet."""
     node_name: str = ""
+    files: list[Path] = field(default_factory=list)
+    """Those beside it whose content objects have."""
 
 
 def entries_of(item: Any) -> dict[int, ODVariable]:
@@ -123,9 +127,24 @@ class EdsReader:
         for index in sorted({*self.objects, *self._subs}):
             if index not in DUMMY_TYPES:
                 self._read_object(index)
+        self._number()
         self._eds.remarks += check(self._sections, self.objects, self._entries)
         self._eds.remarks.sort(key=lambda remark: remark.line)
         return self._eds
+
+    def _number(self) -> None:
+        """LSS_SerialNumber of a DCF is that of 1018h:04 (CiA 306, 5.3.1)."""
+        for name in COMMISSIONING:
+            section = self._sections.section(name)
+            number = self._count(section, "LSS_SerialNumber")
+            entry = self._entries.get((0x1018, 4))
+            if number is None or entry is None:
+                continue
+            if 0 <= number < 1 << 32:
+                entry.value = number
+            else:
+                words = f"LSS_SerialNumber {number} does not fit 32 bits: ignored"
+                self._remark(section, words, section["LSS_SerialNumber"])
 
     @property
     def _entries(self) -> dict[tuple[int, int], ODVariable]:
@@ -199,7 +218,7 @@ class EdsReader:
 
     def _read_commissioning(self) -> None:
         """Of a DCF. The standard spells it with one m, some tools as it should be."""
-        for name in ("DeviceComissioning", "DeviceCommissioning"):
+        for name in COMMISSIONING:
             if name in self._sections:
                 self._commission(self._sections[name])
 
@@ -382,9 +401,30 @@ class EdsReader:
             if text := section.text(key):
                 self._give(section, variable, name, section[key], told)
                 setattr(variable, f"{name}_raw", text)
+        if text := section.text("UploadFile"):
+            self._serve(section, variable, re.split(r"[/\\]", values.uncommented_words(text))[-1])
         self._limit(section, variable)
         self._describe(section, variable)
         return cast(ODVariable, variable)
+
+    def _serve(self, section: Section, variable: Any, name: str) -> None:
+        """UploadFile: what the object has is the content of a file (CiA 306, 5.3.1)."""
+        path = self._path.parent / name
+        at = section["UploadFile"]
+        if variable.data_type not in values.BYTES:
+            self._remark(section, "UploadFile is of a DOMAIN only: ignored", at)
+            return
+        try:
+            with path.open("rb") as file:
+                content = file.read(LARGEST_DOMAIN + 1)
+        except (OSError, ValueError):
+            self._remark(section, f"UploadFile {name!r} is not beside this file: empty", at)
+            return
+        if len(content) > LARGEST_DOMAIN:
+            self._remark(section, f"UploadFile {name!r} is larger than 16 MiB: empty", at)
+            return
+        variable.value = content
+        self._eds.files.append(path)
 
     def _data_type(self, section: Section, domain: bool) -> int | None:
         number = self._count(section, "DataType")
