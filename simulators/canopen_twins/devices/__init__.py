@@ -15,7 +15,8 @@ from canopen_twins.device.device import Device
 from canopen_twins.errors import UserError, unknown
 
 GROUP = "canopen_twins.devices"
-FILES = (".eds", ".dcf", ".xdd", ".xdc")
+DEVICE_FILES = (".yaml", ".yml")
+FILES = (".eds", ".dcf", ".xdd", ".xdc", *DEVICE_FILES)
 """Suffixes of files that describe a device."""
 What: TypeAlias = str | Path | type[Device]
 """A device by its name, by its file, or by its class."""
@@ -43,9 +44,14 @@ def find(name: str, beside: Path | None = None) -> type[Device]:
             no such file, or it describes no device.
     """
     if is_file(name):
+        path = (beside or Path()) / name
+        if path.suffix.lower() in DEVICE_FILES:
+            from canopen_twins.devices.eds import compile as device_files  # noqa: PLC0415 - pydantic
+
+            return device_files.device_of(path)
         from canopen_twins.devices import eds  # noqa: PLC0415 - most processes need none
 
-        return eds.device_of((beside or Path()) / name)
+        return eds.device_of(path)
     if name not in names():
         told = unknown("device", name, names())
         raise UserError(f"{told} (the path of an EDS file will do, too)")

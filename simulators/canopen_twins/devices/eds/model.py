@@ -10,6 +10,7 @@ from typing import NamedTuple
 Read = Callable[[], float]
 """A number that may be another one later: of a setting, of another value, of what is written."""
 MICROSECONDS = 1_000_000
+SHORTEST = 10_000  # microseconds between two changes
 HALF = 0.5
 NEAR = 1e-6  # of what is aimed at: less is not told from it by 32 bits
 
@@ -19,16 +20,24 @@ def constant(number: float) -> Read:
     return lambda: number
 
 
+class Kind(NamedTuple):
+    """The numbers there is room for."""
+
+    whole: bool
+    low: float = -inf
+    high: float = inf
+
+
 class Quantity:
-    """One value; `reading` is what is measured of it, a whole number if it is `whole`.
+    """One value; `reading` is what is measured of it, a number of its kind.
 
     Faults, by their names, let it stand still or falsify the reading. What a step depends on is
     taken by `observe`, so that the order of several quantities does not matter.
     """
 
-    def __init__(self, start: float, whole: bool) -> None:
+    def __init__(self, start: float, kind: Kind) -> None:
         self.value = start
-        self.whole = whole
+        self.kind = kind
         self.holds: set[str] = set()
         self.replaced: dict[str, float] = {}
         self.offsets: dict[str, float] = {}
@@ -41,7 +50,8 @@ class Quantity:
         return self._measured(self.value + sum(self.offsets.values()))
 
     def _measured(self, value: float) -> float:
-        return floor(value + HALF) if self.whole else value
+        value = min(max(value, self.kind.low), self.kind.high)
+        return floor(value + HALF) if self.kind.whole else value
 
     def put(self, value: float) -> None:
         """Somebody sets it; it moves on from there."""
@@ -61,7 +71,7 @@ class Quantity:
 
     def _until_seen(self, speed: float) -> float:
         """Seconds until the reading changes at a speed per second."""
-        if not speed or not self.whole:
+        if not speed or not self.kind.whole:
             return 0.0 if speed else inf
         beyond = self.value - floor(self.value + HALF)  # of the number it reads as
         return (HALF - beyond if speed > 0 else HALF + beyond) / abs(speed)
@@ -70,8 +80,8 @@ class Quantity:
 class Follower(Quantity):
     """Approaches what it follows as a first-order lag does; at once without a time constant."""
 
-    def __init__(self, start: float, whole: bool, aim: Read, time_constant: Read) -> None:
-        super().__init__(start, whole)
+    def __init__(self, start: float, kind: Kind, aim: Read, time_constant: Read) -> None:
+        super().__init__(start, kind)
         self.aim = aim
         self._time_constant = time_constant
         self._observed = start
@@ -90,7 +100,7 @@ class Follower(Quantity):
         aim, time_constant = self._observed, self._time_constant()
         left = exp(-dt / time_constant) if time_constant > 0 else 0.0
         self.value = aim + (self.value - aim) * left
-        near = HALF if self.whole else NEAR * NEAR
+        near = HALF if self.kind.whole else NEAR * NEAR
         if abs(self.value - aim) < near or isclose(self.value, aim, rel_tol=NEAR):
             self.value = aim
 
@@ -98,8 +108,8 @@ class Follower(Quantity):
 class Ramp(Quantity):
     """Goes to its target at so much a second."""
 
-    def __init__(self, start: float, whole: bool, aim: Read, rate: Read) -> None:
-        super().__init__(start, whole)
+    def __init__(self, start: float, kind: Kind, aim: Read, rate: Read) -> None:
+        super().__init__(start, kind)
         self.aim = aim
         self._rate = rate
         self._observed = start
@@ -125,8 +135,8 @@ class Ramp(Quantity):
 class Integral(Quantity):
     """Sums up a speed over time, between two ends."""
 
-    def __init__(self, start: float, whole: bool, speed: Read, low: Read, high: Read) -> None:
-        super().__init__(start, whole)
+    def __init__(self, start: float, kind: Kind, speed: Read, low: Read, high: Read) -> None:
+        super().__init__(start, kind)
         self._speed = speed
         self._low = low
         self._high = high
@@ -151,14 +161,14 @@ class Integral(Quantity):
 class Clocked(Quantity):
     """Changes every so many seconds."""
 
-    def __init__(self, start: float, whole: bool, every: Read) -> None:
-        super().__init__(start, whole)
+    def __init__(self, start: float, kind: Kind, every: Read) -> None:
+        super().__init__(start, kind)
         self._every = every
         self._elapsed = 0  # microseconds since the last change
 
     @property
     def _period(self) -> int:
-        return max(1, round(self._every() * MICROSECONDS))
+        return max(SHORTEST, round(self._every() * MICROSECONDS))
 
     @property
     def rest(self) -> float:
@@ -179,8 +189,10 @@ class Clocked(Quantity):
 class Counter(Clocked):
     """Adds so much each time; behind the highest number comes the lowest."""
 
-    def __init__(self, start: float, every: Read, amount: Read, low: Read, high: Read) -> None:
-        super().__init__(start, True, every)
+    def __init__(  # noqa: PLR0913, PLR0917 - each is a number of one law
+        self, start: float, kind: Kind, every: Read, amount: Read, low: Read, high: Read
+    ) -> None:
+        super().__init__(start, kind, every)
         self._amount = amount
         self._low = low
         self._high = high
@@ -194,10 +206,10 @@ class Counter(Clocked):
 class Wanderer(Clocked):
     """Takes a step of chance each time, up or down, and turns back at its ends."""
 
-    def __init__(  # noqa: PLR0913, PLR0917 - each is a number of one law
-        self, start: float, whole: bool, every: Read, most: Read, low: Read, high: Read, seed: str
+    def __init__(  # noqa: PLR0913, PLR0917 - likewise
+        self, start: float, kind: Kind, every: Read, most: Read, low: Read, high: Read, seed: str
     ) -> None:
-        super().__init__(start, whole, every)
+        super().__init__(start, kind, every)
         self._most = most
         self._low = low
         self._high = high
@@ -215,9 +227,9 @@ class Noisy(Clocked):
     """Stays at a value, give or take some noise that is another one each time."""
 
     def __init__(  # noqa: PLR0913, PLR0917 - likewise
-        self, start: float, whole: bool, every: Read, base: Read, noise: Read, seed: str
+        self, start: float, kind: Kind, every: Read, base: Read, noise: Read, seed: str
     ) -> None:
-        super().__init__(start, whole, every)
+        super().__init__(start, kind, every)
         self._base = base
         self._noise = noise
         self._chance = Random(seed)
@@ -258,9 +270,9 @@ class Replay(Quantity):
     """Is what samples say; `repeat`: the last one is where it begins anew, otherwise it stays."""
 
     def __init__(
-        self, start: float, whole: bool, samples: Sequence[Sample], repeat: bool = False
+        self, start: float, kind: Kind, samples: Sequence[Sample], repeat: bool = False
     ) -> None:
-        super().__init__(start, whole)
+        super().__init__(start, kind)
         self._times = [round(sample.time * MICROSECONDS) for sample in samples]
         self._values = [sample.value for sample in samples]
         self._repeat = repeat
