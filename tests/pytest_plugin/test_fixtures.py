@@ -144,12 +144,7 @@ def test_the_bus_is_chosen_by_an_option_or_an_ini_key(run, pytester):
 def test_a_device_that_cannot_be_had_fails_the_test_in_one_line(run):
     result = run("def test_none(canopen_device): canopen_device('topkon')")
     result.assert_outcomes(failed=1)
-    result.stdout.fnmatch_lines(
-        [
-            "*UserError: unknown device 'topkon': did you mean 'topcon'?"
-            " (the path of an EDS file will do, too)"
-        ]
-    )
+    result.stdout.fnmatch_lines(["*UserError: unknown device 'topkon': did you mean 'topcon'?"])
 
 
 def test_a_bus_that_cannot_be_opened_fails_the_test(run):

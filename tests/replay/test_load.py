@@ -85,11 +85,7 @@ def test_without_a_device_keys_and_times_are_checked_all_the_same(problems):
         ("probe", "2:7: a key with a value is wanted here, such as {key: value}"),
         ("{node_id: 5}", "2:7: 'device' is missing"),
         ("{device: [probe]}", "2:16: one value is wanted here, not several"),
-        (
-            "{device: topkon}",
-            "2:16: unknown device 'topkon': did you mean 'topcon'?"
-            " (the path of an EDS file will do, too)",
-        ),
+        ("{device: topkon}", "2:16: unknown device 'topkon': did you mean 'topcon'?"),
         ("{device: probe, node_id: 128}", "2:32: node id 128 is not in 1..127"),
         ("{device: probe, node_id: 010}", "2:32: 010 may be taken for different numbers"),
         ("{device: topcon, settings: []}", "2:34: a key with a value is wanted here"),

@@ -62,8 +62,7 @@ WRONG = {
       a: {device: probe, node_id: 11}
     """: [
         "4:3: two nodes with node id 5 on one bus",
-        "5:15: unknown device 'tobcon': did you mean 'topcon'?"
-        " (the path of an EDS file will do, too)",
+        "5:15: unknown device 'tobcon': did you mean 'topcon'?",
         "6:32: node id 128 is not in 1..127",
         "7:46: unknown setting 'laod': did you mean 'load'?",
         "8:3: 'a' stands here twice, first in line 3; leave one of them out",

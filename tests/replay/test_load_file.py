@@ -121,8 +121,8 @@ def test_names_are_looked_up_where_they_can_be(problems):
           - {node: left, clear: eror}
         """
     assert problems(text) == [
-        "4:19: unknown device 'prob': there is charger, gateway, topcon"
-        " (the path of an EDS file will do, too)",
+        "4:19: unknown device 'prob': there is charger, gateway, topcon;"
+        " a path to an EDS file is one, too",
         "5:10: 'device' is missing",
         "6:3: two nodes with node id 5 on one bus",
         "8:33: unknown object 'Byt': did you mean 'Byte'?",

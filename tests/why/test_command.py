@@ -93,10 +93,7 @@ def test_what_depends_on_the_state_is_told_apart(said):
 
 
 WRONG = [
-    (
-        ("topkon", "0x2014"),
-        "unknown device 'topkon': did you mean 'topcon'? (the path of an EDS file will do, too)",
-    ),
+    (("topkon", "0x2014"), "unknown device 'topkon': did you mean 'topcon'?"),
     (("topcon", "0x2015"), "unknown object '0x2015': did you mean '0x20"),
     (("topcon", "Run comand=1"), "unknown object 'Run comand': did you mean 'Run command'?"),
     (("topcon", "0x1018=1"), "0x1018 is a record: say which entry of it, such as 0x1018:01"),

@@ -45,7 +45,7 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
     },
     "check": {
         "check": "say what is wrong with scenarios, bench files and EDS files",
-        "schema": "print the JSON Schema of scenarios or of bench files, for editors",
+        "schema": "print the JSON Schema of scenarios, bench files or device files, for editors",
     },
     "replay": {
         "replay": "live through a record again: its frames in candump format, "

@@ -64,12 +64,14 @@ def add_settings(parser: Parser) -> None:
 def settings(options: argparse.Namespace) -> int:
     """Every setting with its default; A-numbers are explained in the device's page of the docs."""
     rows = [("setting", "default", "assumed", "meaning")]
-    for entry in fields(devices.find(options.device).settings):
+    delivered = devices.find(options.device).settings
+    for entry in fields(delivered):
         told = about(entry)
         unit = f" [{told.unit}]" if told.unit else ""
         within = f", {told.range}" if told.range else ""
         live = "; may change while running" if told.live else ""
-        default = entry.default if isinstance(entry.default, str) else str(entry.default).lower()
+        value = getattr(delivered, entry.name)
+        default = value if isinstance(value, str) else str(value).lower()
         rows.append((entry.name, default, told.assumed, f"{told.text}{unit}{within}{live}"))
     _table(rows)
     return OK

@@ -15,8 +15,9 @@ from canopen_twins.device.device import Device
 from canopen_twins.errors import UserError, unknown
 
 GROUP = "canopen_twins.devices"
-DEVICE_FILES = (".yaml", ".yml")
-FILES = (".eds", ".dcf", ".xdd", ".xdc", *DEVICE_FILES)
+OF_FILES = "eds"  # the package of devices that are described by a file
+YAML = (".yaml", ".yml")
+FILES = (".eds", ".dcf", ".xdd", ".xdc", *YAML)
 """Suffixes of files that describe a device."""
 What: TypeAlias = str | Path | type[Device]
 """A device by its name, by its file, or by its class."""
@@ -32,6 +33,19 @@ def is_file(name: str) -> bool:
     return name.lower().endswith(FILES)
 
 
+def tells_of_device(name: str) -> bool:
+    """Whether a name is such a file; of YAML files those are that say which EDS they have."""
+    suffixes = [suffix.lower() for suffix in Path(name).suffixes]
+    if not suffixes or suffixes[-1] not in YAML or suffixes[-2:-1] == [".device"]:
+        return is_file(name)
+    from canopen_twins.files.document import understand  # noqa: PLC0415 - most processes need none
+
+    try:
+        return understand(Path(name), lambda file: "eds" in file.pairs)
+    except UserError:
+        return False
+
+
 def find(name: str, beside: Path | None = None) -> type[Device]:
     """The class of a device.
 
@@ -45,7 +59,7 @@ def find(name: str, beside: Path | None = None) -> type[Device]:
     """
     if is_file(name):
         path = (beside or Path()) / name
-        if path.suffix.lower() in DEVICE_FILES:
+        if path.suffix.lower() in YAML:
             from canopen_twins.devices.eds import compile as device_files  # noqa: PLC0415 - pydantic
 
             return device_files.device_of(path)
@@ -53,8 +67,9 @@ def find(name: str, beside: Path | None = None) -> type[Device]:
 
         return eds.device_of(path)
     if name not in names():
-        told = unknown("device", name, names())
-        raise UserError(f"{told} (the path of an EDS file will do, too)")
+        told = str(unknown("device", name, names()))
+        near = told.endswith("?")
+        raise UserError(told if near else f"{told}; a path to an EDS file is one, too")
     installed = _installed().get(name, ())
     if name in _shipped() and not installed:
         device: type[Device] = import_module(f"{__name__}.{name}").Device
@@ -81,7 +96,7 @@ def name_of(what: What) -> str:
 
 @cache
 def _shipped() -> frozenset[str]:
-    return frozenset(module.name for module in iter_modules(__path__)) - {"eds"}
+    return frozenset(module.name for module in iter_modules(__path__)) - {OF_FILES}
 
 
 @cache

@@ -135,9 +135,8 @@ class EmcyProducer(Service):
             entries[0x1003, 0] = Object(read=lambda: len(self.log.history), write=self._erase)
         for age in range(self._depth):
             entries[0x1003, age + 1] = Object(read=partial(self._past, age))
-        if self.slave.has(0x1014):
-            entries[0x1014, 0] = Object(write=self._check_cob_id)
-        return entries
+        entries[0x1014, 0] = Object(write=self._check_cob_id)
+        return {address: acts for address, acts in entries.items() if self.slave.has(*address)}
 
     def on_state(self, state: State) -> None:
         """Nothing is sent in Stopped (CiA 301, table 37)."""
@@ -168,6 +167,8 @@ class EmcyProducer(Service):
 
     def _send(self, emcy: Emcy, bits: int) -> None:
         cob_id = emcy_id(self.slave)
+        if not self.slave.has(0x1001):
+            bits = 0  # what is not there is not told
         if cob_id is not None:
             self.slave.send(Frame(cob_id, emcy_data(emcy, bits)))
 
@@ -178,7 +179,8 @@ class EmcyProducer(Service):
 
     @property
     def _depth(self) -> int:
-        return len(self.slave.entries.get(0x1003, {0: None})) - 1
+        """The highest sub-index: there may be gaps below it."""
+        return max(self.slave.entries.get(0x1003, {0: None}))
 
     def _past(self, age: int) -> int:
         if age >= len(self.log.history):

@@ -48,6 +48,8 @@ class Device(Settable):
     profile = Profile(block=True)
     remarks: tuple[Remark, ...] = ()
     """What is wrong or unusual in the file."""
+    version = 0
+    """When its file was changed, so that a file that was edited is read anew."""
 
     @property
     def modules(self) -> Sequence[int] | None:
@@ -89,7 +91,7 @@ class Device(Settable):
 
     def dictionary(self) -> ObjectDictionary:
         """That of the file, with the modules that are plugged in."""
-        return dictionary(self.eds, self.node_id, self.modules)
+        return dictionary(self.eds, self.node_id, self.modules, self.version)
 
     @property
     def stored(self) -> Collection[Address]:
@@ -136,7 +138,7 @@ def described(path: Path) -> type[Device]:
 
 
 @cache
-def _described(path: Path, name: str, _: int) -> type[Device]:
+def _described(path: Path, name: str, version: int) -> type[Device]:
     file = read(str(path))
     told = file.dictionary.device_information
     words = " ".join(filter(None, (told.vendor_name, told.product_name)))
@@ -148,6 +150,7 @@ def _described(path: Path, name: str, _: int) -> type[Device]:
             "__module__": __name__,
             "__doc__": f"The device of {name}.",
             "eds": str(path),
+            "version": version,
             "title": f"{words} ({name})" if words else name,
             "configured_bit_rate": file.dictionary.bitrate,
             "files": (path, *file.files),

@@ -36,7 +36,6 @@ from canopen_twins.files.table import understand_table
 from canopen_twins.slave.dictionary import Objects, address_text
 from canopen_twins.slave.emcy import FIELD_LENGTH, Emcy
 from canopen_twins.slave.object import Address
-from canopen_twins.slave.profile import Profile
 
 APPLICATION = 0x2000
 SEED = "seed"
@@ -44,12 +43,18 @@ LARGEST_CSV = 16 * 1024 * 1024  # bytes
 
 
 def device_of(path: Path) -> type[Device]:
-    """The device of a device file.
+    """The device of a device file; what is unusual in its EDS is logged once.
 
     Raises:
         DocumentError: with a line for everything that is wrong.
-        UserError: the EDS describes no device.
     """
+    kind = described(path)
+    eds.device_of(Path(kind.eds))
+    return kind
+
+
+def described(path: Path) -> type[Device]:
+    """The same for whoever tells the remarks on its EDS in another way."""
     path = path.absolute()
     return understand_table(path, device_file.DeviceFile, lambda file: Compiler(file, path).device)
 
@@ -62,7 +67,7 @@ class Compiler:
         self.path = path
         self.files = [path]
         with file.eds.blamed():
-            self._described = eds.device_of(path.parent / file.eds.text)
+            self._described = eds.described(path.parent / file.eds.text)
         self.files += self._described.files
         self.base = self._described if file.python is None else self._class(file.python)
         self.objects = Objects(self._described().dictionary())
@@ -91,7 +96,9 @@ class Compiler:
                 "title": self.file.title or f"{self._described.title}",
                 "settings": settings,
                 "profile": replace(self.base.profile, **given),
-                "bit_rate": self._described.bit_rate,
+                "configured_bit_rate": self._described.configured_bit_rate,
+                "version": self._described.version,
+                "remarks": self._described.remarks,
                 "files": tuple(self.files),
                 "told": Told([*values.values()], emergencies, faults, self.initial),
             },
@@ -110,7 +117,8 @@ class Compiler:
             address = variable.index, variable.subindex
             if bounds(variable) is None:
                 raise UserError(f"{variable.qualname!r} is no number")
-        self.initial[address] = float((variable.value or variable.default or 0))
+        value = variable.default if variable.value is None else variable.value
+        self.initial[address] = float(value or 0)
         return address, variable
 
     def moved(self, name: Item) -> tuple[Address, ODVariable]:
@@ -151,7 +159,7 @@ class Compiler:
     def _all_settings(self) -> Any:
         """Those of the class with those of the file, and a seed if there is chance."""
         names = {entry.name for entry in fields(self.base.settings)}
-        added = []
+        added: list[tuple[str, type, Any]] = []
         for name, table in (self.file.settings or {}).items():
             with name.problems.at(name):
                 if name.text in names or name.text == SEED:
