@@ -95,7 +95,9 @@ def found(name: str) -> AbstractContextManager[Path]:
 
 def add_schema(parser: Parser) -> None:
     """schema."""
-    parser.add_argument("file", nargs="?", choices=("scenario", "bench", "device"), default="scenario")
+    parser.add_argument(
+        "file", nargs="?", choices=("scenario", "bench", "device"), default="scenario"
+    )
     parser.set_defaults(command=schema)
 
 
@@ -103,9 +105,13 @@ def schema(options: argparse.Namespace) -> int:
     """Print the JSON Schema of the files that users write, for their editors."""
     # pydantic, which a run without a scenario starts without
     from canopen_twins.devices.eds.device_file import DeviceFile  # noqa: PLC0415
-    from canopen_twins.files.table import json_schema  # noqa: PLC0415
+    from canopen_twins.files.table import Table, json_schema  # noqa: PLC0415
     from canopen_twins.scenario.schema import BenchFile, ScenarioFile  # noqa: PLC0415
 
-    tables = {"scenario": ScenarioFile, "bench": BenchFile, "device": DeviceFile}
+    tables: dict[str, type[Table]] = {
+        "scenario": ScenarioFile,
+        "bench": BenchFile,
+        "device": DeviceFile,
+    }
     print(json.dumps(json_schema(tables[options.file]), indent=2))
     return OK

@@ -53,7 +53,7 @@ def device_of(path: Path) -> type[Device]:
     return kind
 
 
-def described(path: Path) -> type[Device]:
+def described(path: Path) -> type[Behaviour]:
     """The same for whoever tells the remarks on its EDS in another way."""
     path = path.absolute()
     return understand_table(path, device_file.DeviceFile, lambda file: Compiler(file, path).device)
@@ -79,7 +79,7 @@ class Compiler:
         }
 
     @property
-    def device(self) -> type[Device]:
+    def device(self) -> type[Behaviour]:
         """The class: what the file says, in front of what the EDS or Python say."""
         values = dict(self._values())
         emergencies = list(self._emergencies())
