@@ -109,11 +109,9 @@ class Behaviour(Settable):
         super().make_model()
         self.slave = None
         self._quantities: dict[Address, Quantity] = {}
-        for value in self.told.values:
-            seed = f"{getattr(self.settings, 'seed', 0)} {value.variable.qualname}"
-            start = self._read(value.start)()
-            made = value.make(Making(start, value.kind, seed, self._read))
-            self._quantities[value.address] = made
+        self._to_make = {value.address: value for value in self.told.values}
+        while self._to_make:
+            self._make(next(iter(self._to_make)))
         self._conditions = [
             (emergency.emcy, [self._condition(each) for each in emergency.while_])
             for emergency in self.told.emergencies
@@ -198,6 +196,13 @@ class Behaviour(Settable):
         else:
             quantity.put(value)
 
+    def _make(self, address: Address) -> None:
+        """A value begins where others are, so that these are made before it."""
+        value = self._to_make.pop(address)
+        seed = f"{getattr(self.settings, 'seed', 0)} {value.variable.qualname}"
+        making = Making(self._read(value.start)(), value.kind, seed, self._read)
+        self._quantities[address] = value.make(making)
+
     def _object(self, value: MovingValue) -> Object:
         quantity = self._quantities[value.address]
         return Object(read=lambda: quantity.reading, write=quantity.put)
@@ -214,6 +219,8 @@ class Behaviour(Settable):
 
     def _now(self, address: Address) -> float:
         """What an object reads."""
+        if address in self._to_make:
+            self._make(address)
         if (quantity := self._quantities.get(address)) is not None:
             return quantity.reading
         if self.slave is None or not self.slave.has(*address):

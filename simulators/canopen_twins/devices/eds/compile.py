@@ -252,7 +252,7 @@ class Compiler:
                     address = self.object(what)[0]
                     told.append(
                         Comparison(
-                            address, *(None if end is None else self.chosen(end) for end in ends)
+                            address, *(None if end is None else self.source(end) for end in ends)
                         )
                     )
             content = table.detail.to_bytes(FIELD_LENGTH, "little")
@@ -331,11 +331,15 @@ def _noisy(table: Table, find: Compiler) -> Make:
 
 
 def _follower(table: Table, find: Compiler) -> Make:
-    aim, time_constant = (
-        _linear(table.follows, table, find),
-        find.chosen(table.time_constant, least=0),
-    )
-    return lambda of: model.Follower(of.start, of.kind, aim(of), of.read(time_constant))
+    linear = _linear(table.follows, table, find)
+    time_constant = find.chosen(table.time_constant, least=0)
+
+    def made(of: Making) -> model.Quantity:
+        aim = linear(of)
+        start = aim() if table.start is None else of.start
+        return model.Follower(start, of.kind, aim, of.read(time_constant))
+
+    return made
 
 
 def _ramp(table: Table, find: Compiler) -> Make:

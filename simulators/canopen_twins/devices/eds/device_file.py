@@ -50,9 +50,10 @@ def _truth(item: Item) -> bool:
 Number = Annotated[float, Leaf(_number, {"type": "number"})]
 Truth = Annotated[bool, Leaf(_truth, {"type": "boolean"})]
 Abort = Annotated[int, whole(1, HIGHEST)]
-Chosen = Annotated[Item, as_it_stands(_number_or_name, {"type": ["number", "string"]})]
+NUMBER_OR_NAME = as_it_stands(_number_or_name, {"type": ["number", "string"]})
+Chosen = Annotated[Item, NUMBER_OR_NAME]
 """A number, or the name of a setting."""
-Source = Annotated[Item, as_it_stands(_number_or_name, {"type": ["number", "string"]})]
+Source = Annotated[Item, NUMBER_OR_NAME]
 """A number, the name of a setting, or an object by its name or address."""
 
 
@@ -166,16 +167,14 @@ class ValueTable(Table):
     """Grows by this `every` so many seconds; behind `high` comes `low`."""
     wanders: Chosen | None = None
     """Goes up or down by chance, so far at most, `every` so many seconds."""
-    every: Annotated[Item, as_it_stands(_number_or_name, {"type": ["number", "string"]})] | None = (
-        None
-    )
+    every: Chosen | None = None
     """Seconds between two changes, at least 0.01; 1 if it is left out."""
     low: Chosen | None = None
     """The least it can be; the least its type has room for if it is left out."""
     high: Chosen | None = None
     """The greatest it can be; the greatest its type has room for if it is left out."""
     start: Chosen | None = Field(None, alias="from")
-    """What it is at power-on; what the EDS says if it is left out."""
+    """What it is at power-on; if it is left out what it follows, or what the EDS says."""
     replays: Text | None = None
     """Is what a CSV file has: seconds since power-on, and values."""
     column: Text | None = None
@@ -191,11 +190,11 @@ class ConditionTable(Table):
 
     rules = (some_of(("above", "below", "equals"), "wanted is above, below or equals"),)
 
-    above: Chosen | None = None
+    above: Source | None = None
     """It is greater than this."""
-    below: Chosen | None = None
+    below: Source | None = None
     """It is less than this."""
-    equals: Chosen | None = None
+    equals: Source | None = None
     """It is exactly this."""
 
 

@@ -3,7 +3,7 @@
 from abc import abstractmethod
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Sequence
-from math import exp, floor, inf, isclose
+from math import exp, floor, inf, isclose, log
 from random import Random
 from typing import NamedTuple
 
@@ -88,8 +88,15 @@ class Follower(Quantity):
 
     @property
     def rest(self) -> float:
-        """It moves until it is there."""
-        return inf if self.value == self.aim() else 0.0
+        """Until another number is nearer; what has no numbers moves until it is there."""
+        aim, time_constant = self.aim(), self._time_constant()
+        if self.value == aim:
+            return inf
+        if not self.kind.whole or time_constant <= 0:
+            return 0.0
+        away = self.value - aim
+        border = floor(self.value + HALF) + (HALF if away < 0 else -HALF) - aim
+        return time_constant * log(away / border) if away * border > 0 else inf
 
     def observe(self) -> None:
         """What it follows."""
@@ -100,8 +107,7 @@ class Follower(Quantity):
         aim, time_constant = self._observed, self._time_constant()
         left = exp(-dt / time_constant) if time_constant > 0 else 0.0
         self.value = aim + (self.value - aim) * left
-        near = HALF if self.kind.whole else NEAR * NEAR
-        if abs(self.value - aim) < near or isclose(self.value, aim, rel_tol=NEAR):
+        if isclose(self.value, aim, rel_tol=NEAR, abs_tol=NEAR * NEAR):
             self.value = aim
 
 
