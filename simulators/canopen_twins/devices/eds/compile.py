@@ -216,7 +216,9 @@ class Compiler:
                     yield address, self._value(variable, table)
 
     def _value(self, variable: ODVariable, table: device_file.ValueTable) -> MovingValue:
-        kind = next(kind for kind in device_file.KINDS if getattr(table, kind) is not None)
+        kind = next((kind for kind in MAKES if getattr(table, kind) is not None), None)
+        if kind is None:
+            raise Reported
         initial = self.initial[variable.index, variable.subindex]
         start = self.chosen(table.start or table.value, initial)
         make = MAKES[kind](table, self)
