@@ -19,9 +19,7 @@ def course(bench, name, times, dt):
 
 def test_a_value_follows_with_its_time_constant(bench):
     twin = bench("values: {Temperature: {follows: 1000, time_constant: 10, from: 0}}")
-    assert course(twin, "Temperature", 3, 10) == [
-        round(1000 * (1 - exp(-n))) for n in (1, 2, 3)
-    ]
+    assert course(twin, "Temperature", 3, 10) == [round(1000 * (1 - exp(-n))) for n in (1, 2, 3)]
 
 
 def test_without_a_time_constant_it_follows_in_the_next_cycle(bench):

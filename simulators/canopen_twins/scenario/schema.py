@@ -238,7 +238,7 @@ class AnyStep(Table):
     note: Text = ""
     """Why it is there; free text, shown where something did not come as expected."""
     set: Named[Scalar] | None = None
-    """Changes settings that may change while the device runs, such as its load."""
+    """Changes settings that may change while it runs; of a file's device also its objects."""
     write: Named[Scalar] | None = None
     """Writes objects by SDO, one after the other, as a master does."""
     read: Values | None = None
