@@ -1,6 +1,7 @@
 """The examples of the documentation that are device files, and what becomes of damaged ones."""
 
 import shutil
+from contextlib import suppress
 from io import StringIO
 from pathlib import Path
 
@@ -74,9 +75,5 @@ def test_a_damaged_file_is_a_twin_or_a_mistake_of_its_author(tmp_path, file):
             shutil.copy(path, tmp_path)
     path = Path(tmp_path, "damaged.device.yaml")
     path.write_text(text, "utf-8")
-    try:
-        bench = Bench(str(path))
-    except UserError as mistake:
-        assert str(mistake)
-    else:
-        bench.run(3)
+    with suppress(UserError):
+        Bench(str(path)).run(3)

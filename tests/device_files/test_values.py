@@ -1,5 +1,6 @@
 """Values that move as a device file says, on the clock of a bench."""
 
+from itertools import pairwise
 from math import exp, inf
 
 import pytest
@@ -14,7 +15,11 @@ def value(bench, name):
 
 def course(bench, name, times, dt):
     """What a value is at each of so many moments, dt seconds apart."""
-    return [bench.run(dt) and None or value(bench, name) for _ in range(times)]
+    seen = []
+    for _ in range(times):
+        bench.run(dt)
+        seen.append(value(bench, name))
+    return seen
 
 
 def test_a_value_follows_with_its_time_constant(bench):
@@ -62,7 +67,7 @@ def test_what_wanders_stays_between_its_ends(bench):
     assert min(seen) < -5
     assert max(seen) > 5
     assert all(-10 <= each <= 10 for each in seen)
-    assert all(abs(b - a) <= 10 for a, b in zip(seen, seen[1:], strict=False))
+    assert all(abs(b - a) <= 10 for a, b in pairwise(seen))
 
 
 def test_noise_is_around_its_value_and_another_one_every_so_often(bench):
