@@ -1,5 +1,6 @@
 import canopen
 import pytest
+from canopen.nmt import NmtError
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 from probe import Probe
 
@@ -268,3 +269,65 @@ def test_what_is_done_to_the_device_by_hand_counts_for_the_time_that_follows(ben
     probe.rest = 0.0
     bench.run(0.1)
     assert len(probe.steps) == 10
+
+
+@pytest.mark.parametrize("reset", ["RESET COMMUNICATION", "RESET"])
+def test_the_boot_up_of_a_reset_is_waited_for_though_it_has_come(bench, reset):
+    nmt = bench.remote.nmt
+    nmt.state = reset
+    nmt.wait_for_bootup(5)
+    assert (nmt.state, bench.clock.now) == ("PRE-OPERATIONAL", 0.0)
+
+
+def test_a_boot_up_that_is_still_to_come_takes_the_time_of_the_bench():
+    bench = Bench("topcon", node_id=5)
+    nmt = bench.remote.nmt
+    bench.power_off()
+    bench.clock.after(2.0, bench.power_on)
+    nmt.wait_for_bootup(60)
+    assert "705#00" in bench.sent
+    assert 2.0 <= bench.clock.now < 60.0
+
+
+def test_a_boot_up_that_does_not_come_is_an_error_after_the_time_of_the_bench(bench):
+    nmt = bench.remote.nmt
+    bench.run(1.0)
+    with pytest.raises(NmtError, match="Timeout waiting for boot-up"):
+        nmt.wait_for_bootup(5)
+    assert bench.clock.now == 6.0
+
+
+def test_a_boot_up_is_an_answer_to_the_last_command_only(bench):
+    nmt = bench.remote.nmt
+    nmt.state = "RESET"
+    bench.power_off()
+    nmt.state = "RESET"
+    with pytest.raises(NmtError):
+        nmt.wait_for_bootup(1)
+
+
+def test_a_heartbeat_is_waited_for_in_the_time_of_the_bench(bench):
+    bench.sdo["Producer heartbeat"].raw = 1000
+    assert bench.remote.nmt.wait_for_heartbeat() == "PRE-OPERATIONAL"
+    assert bench.clock.now == 1.0
+    bench.sdo["Producer heartbeat"].raw = 0
+    with pytest.raises(NmtError):
+        bench.remote.nmt.wait_for_heartbeat(2)
+
+
+def test_a_node_that_is_added_by_hand_waits_in_the_same_way(bench):
+    states = []
+    node = canopen.RemoteNode(5, bench.device.dictionary())
+    node.nmt.add_heartbeat_callback(states.append)
+    bench.master.add_node(node)
+    node.nmt.state = "RESET"
+    node.nmt.wait_for_bootup()
+    assert states == [0]
+
+
+def test_node_guarding_sends_remote_frames(bench):
+    bench.remote.nmt.start_node_guarding(0.1)
+    bench.run(0.25)
+    bench.remote.nmt.stop_node_guarding()
+    bench.run(1.0)
+    assert [str(record.frame) for record in bench.trace[1:]] == ["705#R", "705#R"]

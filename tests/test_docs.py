@@ -71,6 +71,15 @@ def test_the_tutorial_shows_what_a_deaf_master_is_told(pytester):
     assert told == shown.splitlines()
 
 
+def test_the_tutorial_of_files_shows_what_check_and_why_say(pytester, capsys):
+    blocks = BLOCK.findall((DOCS / "tutorial-eds.md").read_text("utf-8"))
+    Path("drive.eds").write_text(next(code for _, file, code in blocks if file == "drive.eds"))
+    shown = [code for language, _, code in blocks if language == "text"]
+    assert main(["check", "drive.eds"]) == 0
+    assert main(["why", "drive.eds", "Target speed=3001", "-n", "5"]) == 0
+    assert capsys.readouterr().out == "".join(shown)
+
+
 @pytest.mark.parametrize(
     "text", ["```python\nassert 0\n```", "```console\n$ canopen-twin play nothing\n```"]
 )

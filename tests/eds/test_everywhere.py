@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import canopen
+import dcf.cli
 import pytest
 
 from canopen_twins import Bench, UserError
@@ -266,3 +268,27 @@ def test_what_has_no_steps_is_checked_as_a_bench_file(folder, said):
 def test_a_device_of_a_name_with_a_suffix_is_a_file():
     with pytest.raises(UserError, match=r"nothing\.EDS: No such file"):
         Bench("nothing.EDS")
+
+
+NO_IDENTITY = {"35_identity_as_plain_variable.eds"}  # which dcfchk cannot do without
+OTHERS = {  # their PDOs are told elsewhere
+    "28_pdo_without_mapping.eds",
+    "29_mapping_of_nothing.eds",
+    "63_fixed_mapping_with_unused_zeros.eds",
+}
+
+
+@pytest.mark.parametrize("name", sorted({path.name for path in FILES.iterdir()} - OTHERS))
+def test_the_dcf_of_a_twin_has_nothing_unusual_any_more(said, tmp_path, monkeypatch, name):
+    code, text, _ = said("eds", FILES / name, "-n", "7")
+    assert code == 0
+    file = tmp_path / "twin.dcf"
+    file.write_text(text, "utf-8")
+    assert said("check", file)[1] == f"{file}: ok\n"
+    assert canopen.import_od(str(file)).node_id == 7
+    if name not in NO_IDENTITY:
+        monkeypatch.setattr(sys, "argv", ["dcfchk", "-n", "7", str(file)])
+        dcf.cli.main()  # or SystemExit, or a warning
+        assert said("check", file)[2] == ""
+    mine, its = Bench(FILES / name, node_id=7), Bench(file)
+    assert mine.values() == its.values()

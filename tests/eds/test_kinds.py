@@ -294,3 +294,74 @@ def test_a_mapping_ends_before_a_module_that_is_missing(reading):
     assert reading(MODULES, old=old, new="DefaultValue=0x62000108").value(0x1A00, 0) == 0
     found = reading(MODULES, old=old, new="DefaultValue=0x62000108", modules=[1])
     assert found.value(0x1A00, 0) == 1
+
+
+@pytest.mark.parametrize("flags", ["0", "1", "0x7", "", "many"])
+def test_flags_for_tools_are_not_looked_at(reading, flags):
+    found = reading(entry(0x2002, U8, 3, f"ObjFlags={flags}"))
+    assert (found.value(0x2002), found.remarks) == (3, [])
+
+
+@pytest.mark.parametrize("named", ["fw.bin", "C:\\work\\fw.bin", "/home/maker/fw.bin ; the one"])
+def test_a_domain_has_the_content_of_its_upload_file(reading, tmp_path, named):
+    (tmp_path / "fw.bin").write_bytes(b"\x00\x01\xff")
+    found = reading(entry(0x2002, DOMAIN, "", f"UploadFile={named}\nDownloadFile=other.bin"))
+    assert (found.value(0x2002), found.remarks) == (b"\x00\x01\xff", [])
+    assert found.eds.files == [tmp_path / "fw.bin"]
+
+
+@pytest.mark.parametrize(
+    ("data_type", "default", "value", "told"),
+    [
+        (DOMAIN, "", None, "UploadFile 'fw.bin' is not beside this file: as if it were not said"),
+        (
+            DOMAIN,
+            "0A",
+            b"\n",
+            "UploadFile 'fw.bin' is not beside this file: as if it were not said",
+        ),
+        (U8, "3", 3, "UploadFile is of a DOMAIN only: ignored"),
+    ],
+)
+def test_an_upload_file_that_is_of_no_use_is_told(reading, data_type, default, value, told):
+    found = reading(entry(0x2002, data_type, default, "UploadFile=..\\fw.bin"))
+    assert (found.value(0x2002), found.remarks) == (value, [f"drive.eds:180: [2002] {told}"])
+
+
+SERIAL = (
+    "[1018sub4]\nParameterName=Serial\nObjectType=7\nDataType=7\nAccessType=ro\nDefaultValue=1\n"
+    "[DeviceComissioning]\nNodeID=5\nLSS_SerialNumber={}\n"
+)
+
+
+@pytest.mark.parametrize(("number", "value"), [("0x1234", 0x1234), ("77", 77), ("", 1)])
+def test_the_serial_number_of_a_dcf_is_that_of_the_identity(reading, number, value):
+    assert reading(SERIAL.format(number), name="drive.dcf").value(0x1018, 4) == value
+
+
+def test_a_serial_number_that_is_too_large_is_told(reading):
+    found = reading(SERIAL.format("0x100000000"), name="drive.dcf")
+    assert found.value(0x1018, 4) == 1
+    assert "does not fit 32 bits: ignored" in found.remarks[-1]
+
+
+@pytest.mark.parametrize(("kind", "made"), [("0x2", DOMAIN), ("2", DOMAIN)])
+def test_a_domain_needs_no_data_type_and_no_access(reading, kind, made):
+    found = reading(f"[2002]\nParameterName=Programme\nObjectType={kind}\n")
+    assert found[0x2002, 0].data_type == made
+    assert found[0x2002, 0].access_type == "rw"
+
+
+def test_a_structure_that_the_file_defines_is_served_as_a_record(reading):
+    struct_ = (
+        "[2100]\nParameterName=Pair\nObjectType=0x6\nSubNumber=2\n"
+        + entry(0x2100, U8, 1).replace("[2100]", "[2100sub0]")
+        + entry(0x2100, U16, 8).replace("[2100]", "[2100sub1]")
+    )
+    found = reading(struct_)
+    assert [found.value(0x2100, sub) for sub in (0, 1)] == [1, 8]
+
+
+def test_a_name_may_have_anything_in_it(reading):
+    more = entry(0x2002, U8, 1).replace("Extra", "100 %(x)s [A]=b;c")
+    assert "100 %(x)s [A]=b;c" in reading(more).eds.dictionary.names

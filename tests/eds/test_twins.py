@@ -4,7 +4,7 @@ import pytest
 
 from canopen_twins import Bench, UserError
 
-from .conftest import FILES
+from .conftest import BASE, FILES, entry
 
 NOT_BY_SYNC = {
     "28_pdo_without_mapping.eds",  # what its PDO does is told elsewhere
@@ -152,3 +152,37 @@ def test_a_name_of_two_objects_is_said_to_be_one_when_it_is_used(twin):
     assert str(refusal.value) == told
     assert bench.values("0x2002:00", "Actual value") == {"0x2002:00": 1, "Actual value": 9}
     assert {"0x2000:00": 7, "0x2002:00": 1}.items() <= bench.values().items()
+
+
+@pytest.fixture
+def twin_of(tmp_path):
+    """A bench with the twin of the base file with sections behind it."""
+
+    def make(more):
+        (tmp_path / "drive.eds").write_text(BASE + more)
+        return Bench(tmp_path / "drive.eds", node_id=5)
+
+    return make
+
+
+REAL32, DOMAIN = 8, 0xF
+
+
+def test_limits_of_a_float_count(twin_of):
+    bench = twin_of(entry(0x2002, REAL32, "1,5", "LowLimit=-1.5\nHighLimit=2.5"))
+    assert bench.send("605#4002200000000000") == ["585#430220000000C03F"]
+    assert bench.send("605#2302200000002040") == ["585#6002200000000000"]  # 2.5
+    assert bench.send("605#2302200000004040") == ["585#8002200031000906"]  # 3.0
+    assert bench.send("605#23022000000000C0") == ["585#8002200032000906"]  # -2.0
+
+
+def test_a_domain_is_read_from_its_upload_file_and_written_in_memory(twin_of, tmp_path):
+    content = bytes(range(256)) * 40
+    (tmp_path / "fw.bin").write_bytes(content)
+    bench = twin_of(entry(0x2200, DOMAIN, "", "UploadFile=fw.bin"))
+    assert bench.sdo.upload(0x2200, 0) == content
+    with bench.sdo[0x2200].open("rb", block_transfer=True) as file:
+        assert file.read() == content
+    bench.sdo.download(0x2200, 0, b"other")
+    assert bench.sdo.upload(0x2200, 0) == b"other"
+    assert (tmp_path / "fw.bin").read_bytes() == content

@@ -261,6 +261,21 @@ def test_an_error_is_told_at_the_moment_the_model_has_it(bench):
     assert str(bench.trace[-1]) == f"(0000000000.250000) can0 {OVER_TEMPERATURE}"
 
 
+def test_an_error_of_communication_is_told_beside_those_of_the_device(bench, log):
+    over_current(bench)
+    with bench.twin.node.acting():
+        bench.twin.node.slave.errors["node 127 is silent"] = 0x8130
+    bench.segment.deliver()
+    assert log() == [OVER_CURRENT, "085#3081130000000000"]
+    assert bench.sdo["Error register"].raw == 0x13
+    bench.clear("error")
+    assert bench.sdo["Error register"].raw == 0x11
+    with bench.twin.node.acting():
+        bench.twin.node.slave.errors.clear()
+    bench.segment.deliver()
+    assert log() == [GONE]
+
+
 def test_no_error_is_eight_zeros():
     assert (NO_ERROR.code, NO_ERROR.register, NO_ERROR.field) == (0, 0, bytes(5))
 

@@ -1,9 +1,10 @@
 """A test bench: twins and a canopen master in one process, in simulated time, without a thread."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Self
 
 import canopen
+from canopen.nmt import NmtError, NmtMaster
 
 from canopen_twins import devices
 from canopen_twins.bench.twin import ORDERS, QUESTIONS, Twin
@@ -168,6 +169,59 @@ def _device(what: tuple[devices.What, int] | Device) -> Device:
     return devices.create(name, node_id=node_id)
 
 
+class NmtOfBench(NmtMaster):
+    """Waits in simulated time, and knows what has come at this very moment: answers already have.
+
+    It takes the place of the one that canopen makes for a node.
+    """
+
+    def __init__(self, made: NmtMaster, segment: Segment[Node]) -> None:
+        super().__init__(made.id)
+        vars(self).update(vars(made))
+        self._segment = segment
+        self._heard: dict[bool, float] = {}  # when last, by whether it was a boot-up
+
+    def on_heartbeat(self, can_id: int, data: bytearray, timestamp: float) -> None:
+        """What canopen calls for a heartbeat or a boot-up."""
+        super().on_heartbeat(can_id, data, timestamp)  # type: ignore[no-untyped-call]
+        self._heard[self._state_received == 0] = self._segment.clock.now
+
+    def send_command(self, code: int) -> None:
+        """What was heard before a command is no answer to it."""
+        self._heard.clear()
+        super().send_command(code)
+
+    def wait_for_bootup(self, timeout: float = 10) -> None:
+        """Let time pass until a boot-up message comes, at most so many seconds of the bench.
+
+        Raises:
+            canopen.nmt.NmtError: none has come.
+        """
+        if not self._wait(timeout, lambda: True in self._heard):
+            raise NmtError("Timeout waiting for boot-up message")
+
+    def wait_for_heartbeat(self, timeout: float = 10) -> str:
+        """The same for a heartbeat; the state that it told.
+
+        Raises:
+            canopen.nmt.NmtError: none has come.
+        """
+        if not self._wait(timeout, lambda: bool(self._heard)):
+            raise NmtError("No boot-up or heartbeat received")
+        return str(self.state)
+
+    def _wait(self, timeout: float, is_over: Callable[[], bool]) -> bool:
+        """Whether it is over in time; each thing that was heard is waited for once."""
+        clock = self._segment.clock
+        end = clock.now + timeout
+        self._heard = {kind: time for kind, time in self._heard.items() if time == clock.now}
+        while not is_over() and clock.now < end:
+            self._segment.advance_to(min(clock.next_deadline, end))
+        over = is_over()
+        self._heard.clear()
+        return over
+
+
 class Master(canopen.Network):
     """The master's end of a segment: what it sends, the twins have answered when this returns."""
 
@@ -176,15 +230,20 @@ class Master(canopen.Network):
         self._segment = segment
         segment.masters.append(self._hear)
 
+    def __setitem__(self, node_id: int, node: canopen.RemoteNode | canopen.LocalNode) -> None:
+        if isinstance(node, canopen.RemoteNode):
+            node.nmt = NmtOfBench(node.nmt, self._segment)
+        super().__setitem__(node_id, node)
+
     def send_message(self, can_id: int, data: Sequence[int], remote: bool = False) -> None:
         """What canopen calls to send."""
         self._segment.send(Frame(can_id, bytes(data), remote, can_id > 0x7FF))
 
     def send_periodic(
-        self, can_id: int, data: Sequence[int], period: float, remote: bool = False
+        self, can_id: int, data: Sequence[int] | None, period: float, remote: bool = False
     ) -> Any:
-        """What canopen calls for SYNC and cyclic PDOs, every `period` seconds."""
-        frame = Frame(can_id, bytes(data), remote, can_id > 0x7FF)
+        """What canopen calls for SYNC, cyclic PDOs and node guarding, every `period` seconds."""
+        frame = Frame(can_id, bytes(data or ()), remote, can_id > 0x7FF)
         return PeriodicFrame(self._segment.clock, period, frame, self._segment.send)
 
     def _hear(self, frame: Frame, sender: str) -> None:

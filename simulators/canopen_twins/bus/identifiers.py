@@ -8,6 +8,7 @@ from enum import StrEnum
 from typing import NamedTuple
 
 NODE_IDS = range(1, 128)  # 7.2.4.3.1
+UNCONFIGURED = 255  # of a node that has no node id yet (CiA 305)
 
 NMT, SYNC, TIME = 0x000, 0x080, 0x100
 LSS_ANSWER, LSS_REQUEST = 0x7E4, 0x7E5  # CiA 305

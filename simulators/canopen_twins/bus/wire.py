@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable, Sequence
+from enum import Enum
 from functools import partial
 from math import inf
 from typing import Any, NamedTuple
@@ -14,6 +15,14 @@ from canopen_twins.bus.frame import STANDARD_IDS, Frame
 KEPT = 64  # entries of a kind
 NOT_BOOTED = ""  # the state before the first boot
 GRAIN = 0.5e-6  # seconds: two times that differ by less are one moment of the clock
+
+
+class ErrorState(Enum):
+    """Of a CAN controller (ISO 11898-1)."""
+
+    ACTIVE = "error active"
+    PASSIVE = "error passive"
+    BUS_OFF = "bus off"
 
 
 class LogEntry(NamedTuple):
@@ -114,6 +123,7 @@ class Wire(canopen.Network):
         self.events = EventLog(clock)
         self.outgoing: list[Filter] = []
         self.incoming: list[Filter] = []
+        self.error_state = ErrorState.ACTIVE  # a fault of the line says otherwise
         self.outbox: Outbox = deque() if outbox is None else outbox
 
     def put(self, frame: Frame) -> None:
@@ -131,8 +141,8 @@ class Wire(canopen.Network):
         self.put(Frame(can_id, bytes(data), remote, can_id not in STANDARD_IDS))
 
     def send_periodic(
-        self, can_id: int, data: Sequence[int], period: float, remote: bool = False
+        self, can_id: int, data: Sequence[int] | None, period: float, remote: bool = False
     ) -> Any:
         """What canopen calls to send again and again, every `period` seconds."""
-        frame = Frame(can_id, bytes(data), remote, can_id not in STANDARD_IDS)
+        frame = Frame(can_id, bytes(data or ()), remote, can_id not in STANDARD_IDS)
         return PeriodicFrame(self.clock, period, frame, self.put)

@@ -117,7 +117,7 @@ def _ready(title: str, segment: Segment[Node]) -> dict[str, object]:
     """What is run, with one node id, or with those of all nodes of a file."""
     ids = {node.wire.name: node.node_id for node in segment.nodes}
     said = {"node_id": ids[title]} if title in ids else {"nodes": ids}
-    rates = {node.device.configured_bit_rate for node in segment.nodes} - {None}
+    rates = {node.device.bit_rate for node in segment.nodes if node.device.files} - {None}
     if len(rates) > 1:
         told = " and ".join(f"{rate} bit/s" for rate in sorted(filter(None, rates)))
         log.warning("the files of %s are for %s: one bus has one bit rate", title, told)

@@ -69,8 +69,6 @@ class Device:
     profile: Profile = Profile()
     cycle: float = 0.01
     """Seconds between two steps, whole microseconds."""
-    configured_bit_rate: int | None = None
-    """In bit/s, of the bus that its file configures it for; none where no file does."""
     files: tuple[Path, ...] = ()
     """Those that describe it, first the one it is named by; none for a class of Python."""
 
@@ -97,6 +95,11 @@ class Device:
     def node_id(self) -> int:
         """The node id to boot with; asked at power-on and at every reset."""
         return int(self.settings.node_id)
+
+    @property
+    def bit_rate(self) -> int | None:
+        """In bit/s, what it is set to; none where nobody says."""
+        return None
 
     @property
     def online(self) -> bool:
@@ -205,6 +208,9 @@ class Device:
 
     def on_heartbeat(self, node_id: int, alive: bool) -> None:
         """A node that 0x1016 watches has fallen silent, or is back."""
+
+    def on_emcy(self, node_id: int, emcy: Emcy) -> None:
+        """A node that 0x1028 names has told an emergency."""
 
     def on_rpdo_refused(self, number: int, refusal: Rejected) -> None:
         """An RPDO was too short, or brought a value that an object refused."""

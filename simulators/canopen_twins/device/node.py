@@ -1,23 +1,32 @@
 """A device on a wire: the path of a frame, and the services from every boot to the next."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from math import inf, isfinite
 from pathlib import Path
 
 from canopen_twins.bus.clock import MICROSECONDS, Action, Clock, Scope, Timer, microseconds
 from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.identifiers import UNCONFIGURED
 from canopen_twins.bus.wire import Outbox, Wire, through
 from canopen_twins.device.device import Device
 from canopen_twins.device.faults import Faults
 from canopen_twins.errors import UserError
-from canopen_twins.slave.emcy import EmcyLog, EmcyProducer
-from canopen_twins.slave.nmt import HeartbeatConsumer, HeartbeatProducer, Nmt, Reset
+from canopen_twins.slave.emcy import EmcyConsumer, EmcyLog, EmcyProducer
+from canopen_twins.slave.error_control import (
+    CommunicationErrors,
+    HeartbeatConsumer,
+    HeartbeatProducer,
+    NodeGuarding,
+)
+from canopen_twins.slave.lss import LssSlave
+from canopen_twins.slave.nmt import Nmt, Reset
+from canopen_twins.slave.object import Address
 from canopen_twins.slave.pdo import Sync
-from canopen_twins.slave.sdo_server import SdoServer
+from canopen_twins.slave.sdo_server import FurtherSdoServer, SdoServer
 from canopen_twins.slave.service import Handler, Heard, Service, State
 from canopen_twins.slave.slave import Slave
-from canopen_twins.slave.store import Store, recall
+from canopen_twins.slave.store import ConfigurationCheck, Store, StoredEds, recall
 
 
 class Stack:
@@ -33,7 +42,9 @@ class Stack:
         device: Device,
         log: EmcyLog,
         listeners: Sequence[Callable[[State], None]],
+        area: range,
     ) -> None:
+        """`area` is what comes back from the memory."""
         self.slave = slave
         self.state = State.INITIALISING
         self.routes: dict[Heard, list[Handler]] = {}
@@ -41,27 +52,40 @@ class Stack:
         self.stale = False  # something in the communication area has changed
         self._device = device
         self._listeners = listeners
+        kept = device.stored
         self._nmt = Nmt(slave)
         self._heartbeat = HeartbeatProducer(slave)
-        self._services = [self._nmt, self._heartbeat, *_services(slave, device, log)]
+        others = _services(slave, device, log, self._nmt, kept)
+        self._services: list[Service] = [self._nmt, self._heartbeat, *others]
+        if slave.node_id == UNCONFIGURED:
+            self._services = [each for each in self._services if isinstance(each, LssSlave)]
         slave.on_communication_change = self._on_communication_change
         _bind(slave, device)
+        recall(slave, device.memory, kept, area)  # it was checked when it was stored
         for service in self._services:
             slave.bind(service.objects)
 
     @property
     def reset(self) -> Reset | None:
-        """What the NMT master wants to be reset."""
-        return self._nmt.reset
+        """What the NMT master wants to be reset, or the node itself."""
+        return Reset.COMMUNICATION if self.slave.restart else self._nmt.reset
 
     def boot_up(self) -> None:
-        """Initialisation is over: say so and enter Pre-operational."""
+        """Initialisation is over: say so and enter Pre-operational, if there is a node id."""
+        if self.slave.node_id == UNCONFIGURED:
+            self._derive()
+            return
         self._nmt.boot_up()
         self._heartbeat.start()
         self._announce(State.PRE_OPERATIONAL)
+        if self._nmt.starts_by_itself:
+            self._nmt.state = State.OPERATIONAL
+            self._announce(State.OPERATIONAL)
 
     def follow(self) -> None:
         """Enter the state the NMT master wants, then the one the device wants."""
+        if self.slave.node_id == UNCONFIGURED:
+            return
         if self._nmt.state is not self.state:
             self._announce(self._nmt.state)
         own = self._device.nmt_state
@@ -119,15 +143,24 @@ def _bind(slave: Slave, device: Device) -> None:
     slave.bind(objects, type(device).__name__)
 
 
-def _services(slave: Slave, device: Device, log: EmcyLog) -> Iterator[Service]:
+def _services(
+    slave: Slave, device: Device, log: EmcyLog, nmt: Nmt, kept: Collection[Address]
+) -> Iterator[Service]:
     """Those that nobody but the bus asks for anything, in the order in which they speak."""
-    yield HeartbeatConsumer(slave, device.on_heartbeat)
+    errors = CommunicationErrors(slave, nmt)
+    yield errors
+    yield NodeGuarding(slave, errors)
+    yield HeartbeatConsumer(slave, errors, device.on_heartbeat)
     yield SdoServer(slave)
+    yield from FurtherSdoServer.all(slave)
     yield Sync(slave)
     yield from device.pdos(slave)
     yield EmcyProducer(slave, log, lambda: device.emergencies, device.farewell)
-    yield Store(slave, device.memory, device.stored, device)
+    yield EmcyConsumer(slave, device.on_emcy)
+    yield Store(slave, device.memory, kept, device)
+    yield StoredEds(slave, device.eds)
     yield from device.services(slave)
+    yield ConfigurationCheck(slave, kept)  # the last: it hears of what nobody has refused
 
 
 COMMUNICATION_AREA = range(0x1000, 0x2000)
@@ -313,9 +346,8 @@ class Node:
             self.log = EmcyLog()
         elif self._before is not None:
             slave.keep_application(self._before)
-        self._stack = Stack(slave, device, self.log, self.listeners)
         area = EVERYTHING if self._afresh else COMMUNICATION_AREA
-        recall(slave, device.memory, device.stored, area)
+        self._stack = Stack(slave, device, self.log, self.listeners, area)
         self._stack.boot_up()
 
     def _fall_silent(self) -> None:

@@ -5,6 +5,7 @@ Whoever connects a device to a segment adds these to the faults that it has of i
 
 from collections.abc import Mapping
 
+from canopen_twins.bus.identifiers import UNCONFIGURED
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.device import Device
 from canopen_twins.device.faults import Fault, Faults
@@ -32,7 +33,7 @@ def connect(segment: Segment[Node], device: Device, name: str) -> Node:
         UserError: another node has this node id.
     """
     for other in segment.nodes:
-        if other.device.node_id == device.node_id:
+        if other.device.node_id == device.node_id != UNCONFIGURED:
             raise UserError(f"two nodes with node id {device.node_id} on one bus")
     node = Node(device, segment.clock, segment.outbox, name)
     node.faults = faults(node, segment.nodes)

@@ -5,7 +5,7 @@ from functools import partial
 from typing import Any
 
 from canopen_twins.bus.frame import STANDARD_IDS, Frame, length, pattern
-from canopen_twins.bus.wire import Onward, Wire
+from canopen_twins.bus.wire import ErrorState, Onward, Wire
 from canopen_twins.device.faults import Parameter
 from canopen_twins.faults.disturbance import (
     AIM,
@@ -32,10 +32,20 @@ class LineFilter(Filtering):
     side = Side.LINE
 
 
-class Repeating(LineFilter):
-    """Only what the node sends."""
+class ErrorPassive(LineFilter):
+    """Only what the node sends; its CAN controller knows."""
 
     both_ways = False
+
+    def start(self) -> None:
+        """The controller has counted too many errors."""
+        super().start()
+        self.node.wire.error_state = ErrorState.PASSIVE
+
+    def stop(self) -> None:
+        """It has counted enough frames without one."""
+        super().stop()
+        self.node.wire.error_state = ErrorState.ACTIVE
 
 
 class Swapped(LineFilter):
@@ -78,12 +88,20 @@ class BusOff(LineFilter):
     def start(self) -> None:
         """Off the bus, for a while or until cleared."""
         super().start()
+        self.node.wire.error_state = ErrorState.BUS_OFF
         if self._seconds:
             self.clock.after(self._seconds, self._recover)
 
+    def stop(self) -> None:
+        """It has been told to recover."""
+        super().stop()
+        self.node.wire.error_state = ErrorState.ACTIVE
+
     def _recover(self) -> None:
-        self._running = False
-        self._recovered = True
+        with self.node.acting():
+            self._running = False
+            self._recovered = True
+            self.node.wire.error_state = ErrorState.ACTIVE
 
 
 class Load(Disturbance):
@@ -164,7 +182,7 @@ LINE: Mapping[str, FaultType] = {
         "The node is error passive: all it sends has to be repeated and comes late, in order.",
         "Irregular cycles of one node; EMCY 0x8120 if the device knows it (compose: emcy_storm).",
         {"seconds": Parameter("at most by how much, in s", 0.005, low=0), **AIM},
-        lambda place, seconds, **aim: Repeating(
+        lambda place, seconds, **aim: ErrorPassive(
             place, anything, jittered(place, seconds, aim["seed"]), **aim
         ),
     ),

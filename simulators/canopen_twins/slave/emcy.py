@@ -1,6 +1,7 @@
-"""Emergencies: the messages, their tables, and the producer that reports what has changed."""
+"""Emergencies: the messages, their tables, and who reports what has changed and who hears it."""
 
 import csv
+from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial, reduce
@@ -8,14 +9,22 @@ from operator import or_
 from typing import NamedTuple
 
 from canopen_twins.bus import identifiers
+from canopen_twins.bus.clock import Timer
 from canopen_twins.bus.frame import Frame
 from canopen_twins.files.shipped import od_file
 from canopen_twins.slave.object import Address, Object, Rejected
-from canopen_twins.slave.service import Service, State, check_cob_id_change
+from canopen_twins.slave.service import (
+    Listening,
+    Service,
+    State,
+    check_cob_id_change,
+    give_default,
+)
 from canopen_twins.slave.slave import Slave
 
 EMCY_LENGTH, FIELD_LENGTH = 8, 5  # bytes: all of it, and the manufacturer-specific error field
 BIT_30 = 1 << 30
+COMMUNICATION = 0x11  # register: a generic error, one of communication (CiA 301, 7.5.2.2)
 
 Key = tuple[int, int]  # emergency error code, manufacturer-specific error field
 
@@ -73,6 +82,8 @@ class EmcyLog:
     active: Sequence[Emcy] = ()
     told: Sequence[Emcy] = ()
     history: list[Emcy] = field(default_factory=list)
+    waiting: deque[bytes] = field(default_factory=deque)
+    """Messages that the inhibit time holds back."""
 
     @property
     def register(self) -> int:
@@ -105,8 +116,9 @@ def emcy_of(data: bytes) -> Emcy:
 class EmcyProducer(Service):
     """Tells every error once, keeps 0x1001 and 0x1003, and says when it is over.
 
+    Errors are those of the device, then those of its communication: see `Slave.errors`.
     While the node is stopped the objects follow at once and the messages wait; an error that has
-    gone by then is not told any more.
+    gone by then is not told any more. Between two messages passes the inhibit time of 0x1015.
     """
 
     def __init__(
@@ -121,6 +133,9 @@ class EmcyProducer(Service):
         self._emergencies = emergencies
         self._farewell = farewell
         self._sending = False
+        self._inhibit: Timer | None = None
+        self._depth = max(slave.entries.get(0x1003, {0: None}))
+        give_default(slave, (0x1014, 0), identifiers.emcy(slave.node_id))
 
     @property
     def eventful(self) -> bool:
@@ -130,13 +145,17 @@ class EmcyProducer(Service):
     @property
     def objects(self) -> Mapping[Address, Object]:
         """Error register, error history as deep as the dictionary has it, and COB-ID."""
-        entries = {(0x1001, 0): Object(read=lambda: self.log.register)}
+        entries: dict[Address, Object] = {}
+        if self._has_register:
+            entries[0x1001, 0] = Object(read=lambda: self.log.register)
         if self._depth:
             entries[0x1003, 0] = Object(read=lambda: len(self.log.history), write=self._erase)
-        for age in range(self._depth):
-            entries[0x1003, age + 1] = Object(read=partial(self._past, age))
-        entries[0x1014, 0] = Object(write=self._check_cob_id)
-        return {address: acts for address, acts in entries.items() if self.slave.has(*address)}
+        for subindex in self.slave.entries.get(0x1003, ()):
+            if subindex:
+                entries[0x1003, subindex] = Object(read=partial(self._past, subindex - 1))
+        if self.slave.has(0x1014):
+            entries[0x1014, 0] = Object(write=self._check_cob_id)
+        return entries
 
     def on_state(self, state: State) -> None:
         """Nothing is sent in Stopped (CiA 301, table 37)."""
@@ -144,11 +163,19 @@ class EmcyProducer(Service):
 
     def publish(self) -> None:
         """Follow what is wrong, and tell how it differs from what was told."""
-        now = self._emergencies()
+        now = self._now()
         if now != self.log.active:
             self._follow(tuple(now))
         if self._sending and self.log.told != self.log.active:
             self._tell()
+        if self.log.waiting:
+            self._send_waiting()
+
+    def _now(self) -> Sequence[Emcy]:
+        own, others = self._emergencies(), self.slave.errors
+        if not others:
+            return own
+        return (*own, *(Emcy(code, COMMUNICATION, label=why) for why, code in others.items()))
 
     def _follow(self, now: Sequence[Emcy]) -> None:
         before, self.log.active = self.log.active, now
@@ -166,21 +193,30 @@ class EmcyProducer(Service):
             self._send(new, self.log.register)
 
     def _send(self, emcy: Emcy, bits: int) -> None:
-        cob_id = emcy_id(self.slave)
-        if not self.slave.has(0x1001):
-            bits = 0  # what is not there is not told
-        if cob_id is not None:
-            self.slave.send(Frame(cob_id, emcy_data(emcy, bits)))
+        self.log.waiting.append(emcy_data(emcy, bits if self._has_register else 0))
+        self._send_waiting()
+
+    def _send_waiting(self) -> None:
+        while self.log.waiting and self._sending and self._inhibit is None:
+            data, cob_id = self.log.waiting.popleft(), emcy_id(self.slave)
+            if cob_id is None:
+                continue
+            self.slave.send(Frame(cob_id, data))
+            if time := self.slave.number(0x1015) if self.slave.has(0x1015) else 0:
+                self._inhibit = self.slave.clock.after(time / 10_000, self._on_free)
+
+    def _on_free(self) -> None:
+        self._inhibit = None
+        self._send_waiting()
+
+    @property
+    def _has_register(self) -> bool:
+        return self.slave.has(0x1001)
 
     def _check_cob_id(self, value: int) -> None:
         if value & BIT_30:
             raise Rejected("bit 30 of an emergency is always 0")
         check_cob_id_change(self.slave.number(0x1014), value)
-
-    @property
-    def _depth(self) -> int:
-        """The highest sub-index: there may be gaps below it."""
-        return max(self.slave.entries.get(0x1003, {0: None}))
 
     def _past(self, age: int) -> int:
         if age >= len(self.log.history):
@@ -194,3 +230,38 @@ class EmcyProducer(Service):
         if value:
             raise Rejected(f"0 erases the history, {value} does nothing")
         self.log.history.clear()
+
+
+class EmcyConsumer(Service):
+    """Hears the emergencies of the nodes that 0x1028 names by its sub-indices (7.5.2.24).
+
+    Whoever is told hears of a node with its id and its emergency.
+    """
+
+    active_in = frozenset({State.PRE_OPERATIONAL, State.OPERATIONAL})
+
+    def __init__(self, slave: Slave, tell: Callable[[int, Emcy], None]) -> None:
+        super().__init__(slave)
+        self._tell = tell
+        self._named = [sub for sub in slave.entries.get(0x1028, ()) if sub]
+        for subindex in self._named:
+            give_default(slave, (0x1028, subindex), identifiers.INVALID)
+
+    @property
+    def objects(self) -> Mapping[Address, Object]:
+        """An identifier changes while it is off."""
+        return {(0x1028, sub): Object(write=partial(self._check, sub)) for sub in self._named}
+
+    def listen(self) -> Listening:
+        """The emergencies that are not switched off."""
+        for node_id in self._named:
+            cob_id = identifiers.of_cob_id(self.slave.number(0x1028, node_id))
+            if cob_id is not None:
+                yield (cob_id, False), partial(self._on_emcy, node_id)
+
+    def _on_emcy(self, node_id: int, frame: Frame) -> None:
+        if len(frame.data) == EMCY_LENGTH:
+            self._tell(node_id, emcy_of(frame.data))
+
+    def _check(self, subindex: int, value: int) -> None:
+        check_cob_id_change(self.slave.number(0x1028, subindex), value)

@@ -7,13 +7,16 @@ from typing import NamedTuple, Protocol
 
 from canopen_twins.bus import identifiers
 from canopen_twins.bus.frame import Frame
-from canopen_twins.slave.service import Listening, Service
+from canopen_twins.bus.identifiers import UNCONFIGURED
+from canopen_twins.slave.service import Listening, Service, State
 from canopen_twins.slave.slave import Slave
 
 LENGTH = 8
 VENDOR, PRODUCT, REVISION, SERIAL = range(1, 5)  # sub-indices of the identity 0x1018
 
-SELECTED, IDENTIFIED = 0x44, 0x4F
+SELECTED, IDENTIFIED, NOT_CONFIGURED = 0x44, 0x4F, 0x50
+BEGIN = 0x80  # of a fast scan, in the place of the lowest bit to compare
+BITS = range(32)
 ACCEPTED, REFUSED = 0, 1
 
 
@@ -29,7 +32,7 @@ class Configurable(Protocol):
     """What a device lets LSS change. Nothing of it acts before a reset or `activate_bit_timing`."""
 
     def configure_node_id(self, node_id: int) -> bool:
-        """Keep a node id for the next reset; whether it is admissible."""
+        """Keep a node id for the next reset, 255 for none; whether it is admissible."""
 
     def configure_bit_timing(self, table: int, index: int) -> bool:
         """Keep a bit rate by table selector and index; whether the device has it."""
@@ -65,6 +68,11 @@ IDENTIFY = (
 )
 
 
+def identity(slave: Slave, subindex: int) -> int:
+    """A number of the LSS address; 0 for one that 0x1018 leaves out."""
+    return slave.number(0x1018, subindex) if slave.has(0x1018, subindex) else 0
+
+
 class AddressSequence:
     """Follows a sequence of requests and knows when all of them have meant this slave."""
 
@@ -79,18 +87,25 @@ class AddressSequence:
         if data[0] == self._requests[0].command:
             self._passed = 0
         request = self._requests[self._passed]
-        own = self._slave.number(0x1018, request.subindex)
+        own = identity(self._slave, request.subindex)
         fits = data[0] == request.command and request.fits(own, int.from_bytes(data[1:5], "little"))
         self._passed = (self._passed + 1) % len(self._requests) if fits else 0
         return fits and not self._passed
 
 
 class LssSlave(Service):
-    """Waits until the master selects it; then it can be asked and configured."""
+    """Waits until the master selects it; then it can be asked and configured.
+
+    A node without a node id does nothing else, and begins its life when it has got one.
+    """
+
+    active_in = frozenset(State)
 
     def __init__(self, slave: Slave, device: Configurable) -> None:
         super().__init__(slave)
         self.configuring = False
+        self._pending = slave.node_id  # as far as it has come by LSS
+        self._scanned = 0  # the part of the identity that a fast scan is at
         self._device = device
         self._select = AddressSequence(SELECT, slave)
         self._identify = AddressSequence(IDENTIFY, slave)
@@ -116,7 +131,13 @@ class LssSlave(Service):
         if len(data) != LENGTH:
             return
         if data[0] == 0x04:
-            self.configuring = data[1] == 1 if data[1] in (0, 1) else self.configuring
+            self._switch(data[1])
+        elif data[0] == 0x4C:
+            if self._unconfigured:
+                self._answer(NOT_CONFIGURED)
+        elif data[0] == 0x51:
+            if self._unconfigured and not self.configuring:
+                self._scan(data)
         elif data[0] in self._identify.commands:
             if self._identify.hear(data):
                 self._answer(IDENTIFIED)
@@ -129,12 +150,38 @@ class LssSlave(Service):
             if answer is not None:
                 self._answer(data[0], answer)
 
+    @property
+    def _unconfigured(self) -> bool:
+        return self.slave.node_id == self._pending == UNCONFIGURED
+
+    def _switch(self, mode: int) -> None:
+        """To waiting or configuration; a node that has got its first id boots (CiA 305)."""
+        self.configuring = mode == 1 if mode in {0, 1} else self.configuring
+        if mode == 0 and self.slave.node_id == UNCONFIGURED and not self._unconfigured:
+            self.slave.restart = True
+
+    def _scan(self, data: bytes) -> None:
+        """Fast scan: agree to bits of the identity, from `lowest` up, part after part."""
+        number, (lowest, part, following) = int.from_bytes(data[1:5], "little"), data[5:8]
+        if lowest == BEGIN:
+            self._scanned = 0
+        elif part == self._scanned and part < SERIAL and lowest in BITS:
+            if (number ^ identity(self.slave, VENDOR + part)) >> lowest:
+                return
+            self._scanned = following
+            self.configuring = lowest == 0 and following < part
+        else:
+            return
+        self._answer(IDENTIFIED)
+
     def _answer(self, command: int, content: bytes = b"") -> None:
         data = (bytes([command]) + content).ljust(LENGTH, b"\0")
         self.slave.send(Frame(identifiers.LSS_ANSWER, data))
 
     def _configure_node_id(self, data: bytes) -> bytes:
         accepted = self._device.configure_node_id(data[1])
+        if accepted:
+            self._pending = data[1]
         return bytes([ACCEPTED if accepted else REFUSED])
 
     def _configure_bit_timing(self, data: bytes) -> bytes:
@@ -145,7 +192,7 @@ class LssSlave(Service):
         return bytes([self._device.store()])
 
     def _inquire(self, subindex: int) -> Callable[[bytes], bytes]:
-        return lambda _: self.slave.number(0x1018, subindex).to_bytes(4, "little")
+        return lambda _: identity(self.slave, subindex).to_bytes(4, "little")
 
     def _activate_bit_timing(self, data: bytes) -> None:
         """Off the bus for the delay, switch, off the bus for it again: then all have switched."""

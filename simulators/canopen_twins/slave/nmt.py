@@ -1,14 +1,11 @@
-"""Network management (CiA 301, 7.2.8): NMT slave, boot-up message, heartbeats sent and heard."""
+"""Network management (CiA 301, 7.2.8): the NMT slave and its boot-up message."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from enum import IntEnum
-from functools import partial
 
 from canopen_twins.bus import identifiers
-from canopen_twins.bus.clock import Timer
 from canopen_twins.bus.frame import Frame
-from canopen_twins.bus.identifiers import NODE_IDS
-from canopen_twins.slave.object import Abort, Address, Object, Rejected
+from canopen_twins.slave.object import Address, Object, Rejected
 from canopen_twins.slave.service import Listening, Service, State
 from canopen_twins.slave.slave import Slave
 
@@ -18,6 +15,7 @@ TARGET: Mapping[int, State] = {
     0x02: State.STOPPED,
     0x80: State.PRE_OPERATIONAL,
 }
+WAITS_FOR_START = 1 << 2  # bit of 0x1F80
 
 
 class Reset(IntEnum):
@@ -41,6 +39,16 @@ class Nmt(Service):
         self.state = State.PRE_OPERATIONAL
         self.reset: Reset | None = None
 
+    @property
+    def objects(self) -> Mapping[Address, Object]:
+        """Of the NMT start-up only what a slave knows can be written."""
+        return {(0x1F80, 0): Object(write=self._check)} if self.slave.has(0x1F80) else {}
+
+    @property
+    def starts_by_itself(self) -> bool:
+        """Whether Operational follows on the boot-up without a command (CiA 302-2, 0x1F80)."""
+        return self.slave.has(0x1F80) and not self.slave.number(0x1F80) & WAITS_FOR_START
+
     def listen(self) -> Listening:
         """Commands of the NMT master."""
         yield (identifiers.NMT, False), self.on_command
@@ -61,6 +69,10 @@ class Nmt(Service):
         elif command in RESETS:
             self.state, self.reset = State.INITIALISING, RESETS[command]
 
+    def _check(self, value: int) -> None:
+        if value & ~WAITS_FOR_START:
+            raise Rejected(f"{value:08X}h: a slave knows bit 2 only")
+
     def boot_up(self) -> None:
         """Announce that initialisation is over."""
         self.slave.send(Frame(identifiers.heartbeat(self.slave.node_id), BOOT_UP))
@@ -73,107 +85,3 @@ STATE_BYTE = {
     State.PRE_OPERATIONAL: 0x7F,
 }
 """What a heartbeat shows."""
-
-
-class HeartbeatProducer(Service):
-    """Sends the state every 0x1017 ms, the first one a period after the write."""
-
-    def __init__(self, slave: Slave) -> None:
-        super().__init__(slave)
-        self._timer: Timer | None = None
-        self._state = State.PRE_OPERATIONAL
-
-    @property
-    def objects(self) -> Mapping[Address, Object]:
-        """A new period acts at once."""
-        return {(0x1017, 0): Object(write=self._on_write)} if self.slave.has(0x1017) else {}
-
-    def start(self) -> None:
-        """Begin with the period the dictionary has after a reset."""
-        if self.slave.has(0x1017):
-            self._start(self.slave.number(0x1017))
-
-    def on_state(self, state: State) -> None:
-        """From now on this state is shown."""
-        self._state = state
-
-    def _on_write(self, milliseconds: int) -> None:
-        self._start(milliseconds)
-        if milliseconds and self.slave.profile.first_heartbeat_at_once:
-            self._beat()
-
-    def _start(self, milliseconds: int) -> None:
-        if self._timer is not None:
-            self._timer.cancel()
-        self._timer = None
-        if milliseconds:
-            period = self.slave.profile.heartbeat_period(milliseconds)
-            self._timer = self.slave.clock.every(period, self._beat)
-
-    def _beat(self) -> None:
-        can_id = identifiers.heartbeat(self.slave.node_id)
-        self.slave.send(Frame(can_id, bytes([STATE_BYTE[self._state]])))
-
-
-class HeartbeatConsumer(Service):
-    """Watches the nodes that 0x1016 names, each from its first heartbeat on (CiA 301, 7.2.8.2.2).
-
-    Whoever is told hears of a node with its id and whether it is alive.
-    """
-
-    def __init__(self, slave: Slave, tell: Callable[[int, bool], None]) -> None:
-        super().__init__(slave)
-        self._tell = tell
-        self._watched: dict[int, Timer] = {}
-        self._lost: set[int] = set()
-
-    @property
-    def objects(self) -> Mapping[Address, Object]:
-        """A node has one time at most."""
-        entries = self.slave.entries.get(0x1016, {})
-        return {(0x1016, sub): Object(write=partial(self._check, sub)) for sub in entries if sub}
-
-    def listen(self) -> Listening:
-        """The heartbeats of every node with an id and a time."""
-        watched = dict(self._named.values())
-        for node_id in [known for known in self._watched if known not in watched]:
-            self._watched.pop(node_id).cancel()
-        for node_id, time in watched.items():
-            yield (
-                (identifiers.heartbeat(node_id), False),
-                partial(self._on_heartbeat, node_id, time),
-            )
-
-    @property
-    def _named(self) -> Mapping[int, tuple[int, float]]:
-        """Node id and time in seconds of every entry that is in use, by sub-index."""
-        subindices = [sub for sub in self.slave.entries.get(0x1016, {}) if sub]
-        entries = {sub: _consumed(self.slave.number(0x1016, sub)) for sub in subindices}
-        return {sub: entry for sub, entry in entries.items() if entry is not None}
-
-    def _check(self, subindex: int, value: int) -> None:
-        new = _consumed(value)
-        others = [node_id for sub, (node_id, _) in self._named.items() if sub != subindex]
-        if new is not None and new[0] in others:
-            raise Rejected("the node has a time already", Abort.INCOMPATIBLE)  # 7.5.2.19
-
-    def _on_heartbeat(self, node_id: int, time: float, frame: Frame) -> None:
-        if len(frame.data) != 1:
-            return
-        if node_id in self._watched:
-            self._watched[node_id].cancel()
-        self._watched[node_id] = self.slave.clock.after(time, partial(self._on_silence, node_id))
-        if node_id in self._lost:
-            self._lost.remove(node_id)
-            self._tell(node_id, True)
-
-    def _on_silence(self, node_id: int) -> None:
-        self._lost.add(node_id)
-        self._tell(node_id, False)
-
-
-def _consumed(value: int) -> tuple[int, float] | None:
-    """Node id and time in seconds of an entry of 0x1016, if it is in use."""
-    node_id, milliseconds = value >> 16 & 0xFF, value & 0xFFFF
-    in_use = node_id in NODE_IDS and milliseconds
-    return (node_id, milliseconds / 1000) if in_use else None

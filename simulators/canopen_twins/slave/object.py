@@ -7,9 +7,10 @@ from math import isfinite
 from typing import Any, NamedTuple
 
 from canopen.objectdictionary import ODVariable, datatypes
-from canopen.objectdictionary.datatypes import INTEGER_TYPES
+from canopen.objectdictionary.datatypes import BOOLEAN, FLOAT_TYPES, INTEGER_TYPES
 
 from canopen_twins.errors import UserError
+from canopen_twins.slave.eds.values import TIME_SIZE, TIMES
 
 Address = tuple[int, int]
 Value = int | float | str | bytes
@@ -19,6 +20,8 @@ TYPES = {
     if isinstance(number, int) and name.isupper()
 }
 """The data types of CiA 301 by their numbers."""
+SIZES = dict.fromkeys(TIMES, TIME_SIZE)
+"""In bytes, of types that are no numbers."""
 
 
 class Abort(IntEnum):
@@ -106,11 +109,10 @@ class Entry:
         self.readable: bool = variable.readable
         self.writable: bool = variable.writable
         self.address: Address = (variable.index, variable.subindex)
-        self.size: int | None = codec.size if codec else None
+        self.size: int | None = codec.size if codec else SIZES.get(data_type)
         self.pack: Callable[[Any], bytes] = codec.pack if codec else variable.encode_raw
         self.unpack: Callable[[bytes], Any] = _first(codec) if codec else variable.decode_raw
-        whole = data_type in INTEGER_TYPES
-        self.low, self.high = (variable.min, variable.max) if whole else (None, None)
+        self.low, self.high = self._limits()
         self.obstacle: Callable[[int], str] | None = None
         self._source: Callable[[], Value] | None = None
         self._adjusts: list[Callable[[int], int]] = []
@@ -118,6 +120,16 @@ class Entry:
         self._owner = ""
         self._cell = cell
         cell[variable.subindex] = self.initial
+
+    def _limits(self) -> tuple[Any, Any]:
+        """Those of a number, as its type has them: 0.1 is not the same in 32 bits and in 64."""
+        low, high = self.variable.min, self.variable.max
+        if self.variable.data_type == BOOLEAN:
+            return low, 1 if high is None else high
+        if self.variable.data_type in FLOAT_TYPES:
+            rounded = [None if x is None else self.unpack(self.pack(x)) for x in (low, high)]
+            return rounded[0], rounded[1]
+        return (low, high) if self.variable.data_type in INTEGER_TYPES else (None, None)
 
     def bind(self, acts: Object, owner: str = "") -> None:
         """Let an object act, after those that do already; the first that has a value is read.
@@ -169,10 +181,11 @@ class Entry:
 
     def _act(self, data: bytes) -> bytes:
         value = self.unpack(data)
-        if self.high is not None and value > self.high:
-            raise Rejected(f"{value} is above {self.high}", Abort.TOO_HIGH)
-        if self.low is not None and value < self.low:
-            raise Rejected(f"{value} is below {self.low}", Abort.TOO_LOW)
+        number = data[0] if self.variable.data_type == BOOLEAN else value
+        if self.high is not None and not number <= self.high:  # nor is what is not a number
+            raise Rejected(f"{number} is above {self.high}", Abort.TOO_HIGH)
+        if self.low is not None and not number >= self.low:
+            raise Rejected(f"{number} is below {self.low}", Abort.TOO_LOW)
         for adjust in self._adjusts:
             value = adjust(value)
         for write in self._writes:

@@ -45,6 +45,9 @@ class Profile:
     """Transmission types that a TPDO accepts."""
     tpdo_on_change: bool = True
     """Whether an event-driven TPDO (254, 255) is sent when its content has changed."""
+    tells_bus_errors: bool = False
+    """Whether errors of its CAN controller, and a silent node of 0x1016, are told by EMCY (8120h,
+    8130h, 8140h) and act as 0x1029 says; else a device tells what its manual does of them."""
     no_history_code: int | None = None
     """Abort code for an unused entry of 0x1003; it reads 0 without one."""
     strict_cob_id: bool = False

@@ -1,247 +1,30 @@
-"""SDO server: each initiate is answered at once or opens a transfer (CiA 301, 7.2.4.3)."""
+"""SDO servers: each initiate is answered at once or opens a transfer (CiA 301, 7.2.4.3)."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 
 from canopen_twins.bus import identifiers, sdo
 from canopen_twins.bus.clock import Timer
 from canopen_twins.bus.frame import Frame
-from canopen_twins.bus.sdo import Ccs, Scs, Sub
-from canopen_twins.slave.object import Abort, Entry, Rejected
+from canopen_twins.bus.sdo import Ccs, Scs
+from canopen_twins.slave.object import Abort, Address, Entry, Object, Rejected
 from canopen_twins.slave.profile import Profile
-from canopen_twins.slave.service import Listening, Service, State
+from canopen_twins.slave.sdo_transfer import (
+    BlockDownload,
+    BlockUpload,
+    Download,
+    Target,
+    Transfer,
+    Upload,
+)
+from canopen_twins.slave.service import (
+    Listening,
+    Service,
+    State,
+    check_cob_id,
+    give_default,
+)
 from canopen_twins.slave.slave import Slave
-
-
-class Transfer:
-    """One open transfer; it ends when it is `done` or with the first `Rejected`."""
-
-    done = False
-
-    def opening(self, named: bytes) -> bytes:
-        """The answer to the initiate, given its multiplexer."""
-        raise NotImplementedError
-
-    def continues(self, command: int) -> bool:
-        """Whether a request with this command byte belongs to the transfer."""
-        raise NotImplementedError
-
-    def answer(self, data: bytes) -> Sequence[bytes]:
-        """What to say to such a request.
-
-        Raises:
-            Rejected: the transfer is over.
-        """
-        raise NotImplementedError
-
-
-class Target:
-    """The entry that a download writes, and how many bytes it may bring."""
-
-    def __init__(self, slave: Slave, entry: Entry, announced: int | None) -> None:
-        """Raises `Rejected` if more is announced than there is room for."""
-        self._slave = slave
-        self._entry = entry
-        self._announced = announced
-        self._longest = slave.profile.longest_transfer if entry.size is None else entry.size
-        if announced is not None:
-            self.check(announced)
-            self._longest = announced
-
-    def check(self, length: int) -> None:
-        """Raises `Rejected` if so many bytes are too many."""
-        if length > self._longest:
-            reason = f"{length} bytes are more than {self._longest}"
-            raise Rejected(reason, self._slave.profile.too_long)
-
-    def write(self, data: bytes) -> None:
-        """Write all there is.
-
-        Raises:
-            Rejected: not as many bytes as announced, or refused by the entry.
-        """
-        self.check(len(data))
-        if self._announced is not None and len(data) < self._announced:
-            reason = f"{len(data)} bytes are fewer than {self._announced}"
-            raise Rejected(reason, self._slave.profile.too_short)
-        self._slave.write(self._entry, data)
-
-
-class Segmented(Transfer):
-    """Segments with a toggle bit, each answered by one (7.2.4.3.3-8)."""
-
-    specifier: int
-    """Of its requests."""
-
-    def __init__(self) -> None:
-        self._toggle = 0
-
-    def continues(self, command: int) -> bool:
-        """By the specifier alone: a wrong toggle bit belongs to it, too."""
-        return command >> 5 == self.specifier
-
-    def answer(self, data: bytes) -> Sequence[bytes]:
-        """Answer the next segment."""
-        if data[0] & sdo.TOGGLE != self._toggle:
-            raise Rejected("toggle bit did not alternate", Abort.TOGGLE)
-        answer = self._exchange(data)
-        self._toggle ^= sdo.TOGGLE
-        return [answer]
-
-    def _exchange(self, data: bytes) -> bytes:
-        raise NotImplementedError
-
-
-class Upload(Segmented):
-    """From the server to the client: the value as it was when the transfer began."""
-
-    specifier = Ccs.UPLOAD_SEGMENT
-
-    def __init__(self, value: bytes) -> None:
-        super().__init__()
-        self._size = len(value)
-        self._segments = sdo.segments(value)
-
-    def opening(self, named: bytes) -> bytes:
-        """The size of the value."""
-        return sdo.announcing(Scs.UPLOAD, named, self._size)
-
-    def _exchange(self, data: bytes) -> bytes:
-        segment = next(self._segments)
-        self.done = bool(segment[0] & sdo.LAST)
-        return segment
-
-
-class Download(Segmented):
-    """From the client to the server: nothing is written before the last segment is there."""
-
-    specifier = Ccs.DOWNLOAD_SEGMENT
-
-    def __init__(self, target: Target) -> None:
-        super().__init__()
-        self._target = target
-        self._data = b""
-
-    def opening(self, named: bytes) -> bytes:
-        """Go ahead."""
-        return sdo.message(Scs.DOWNLOAD, named)
-
-    def _exchange(self, data: bytes) -> bytes:
-        self._data += sdo.segment_part(data)
-        self._target.check(len(self._data))
-        if data[0] & sdo.LAST:
-            self._target.write(self._data)
-            self.done = True
-        return sdo.message(Scs.DOWNLOAD_SEGMENT, flags=self._toggle)
-
-
-class BlockUpload(Transfer):
-    """To the client, in blocks as long as it wants the next one (7.2.4.3.13-15)."""
-
-    def __init__(self, value: bytes, blksize: int, crc: bool) -> None:
-        """Raises `Rejected` if blocks are not of 1..127 segments."""
-        self._value = value
-        self._crc = sdo.crc(value) if crc else 0
-        self._segments = max(-(-len(value) // sdo.SEGMENT_ROOM), 1)
-        self._confirmed = 0
-        self._sent = 0  # of the block that is under way
-        self._expected = Sub.START
-        self._set_blksize(blksize)
-
-    def opening(self, named: bytes) -> bytes:
-        """The size of the value."""
-        size = len(self._value).to_bytes(4, "little")
-        return sdo.message(Scs.BLOCK_UPLOAD, named + size, sdo.BLOCK_CRC | sdo.BLOCK_SIZED)
-
-    def continues(self, command: int) -> bool:
-        """Everything of block upload but a new initiate."""
-        return command >> 5 == Ccs.BLOCK_UPLOAD and command & 3 != Sub.INITIATE
-
-    def answer(self, data: bytes) -> Sequence[bytes]:
-        """The next block, or the one that was not received as a whole, or the end."""
-        if data[0] & 3 != self._expected:
-            raise Rejected("not the turn of this sub-command", Abort.COMMAND)
-        if self._expected == Sub.END:
-            self.done = True
-            return []
-        if self._expected == Sub.CONFIRM:
-            self._confirm(data[1])
-            self._set_blksize(data[2])
-        return self._block() if self._confirmed < self._segments else self._end()
-
-    def _set_blksize(self, blksize: int) -> None:
-        if not 1 <= blksize <= sdo.LONGEST_BLOCK:
-            raise Rejected(f"no blocks of {blksize} segments", Abort.BLOCK_SIZE)
-        self._blksize = blksize
-
-    def _confirm(self, ackseq: int) -> None:
-        if ackseq > self._sent:
-            raise Rejected(f"no segment {ackseq} was sent", Abort.SEQUENCE_NUMBER)
-        self._confirmed += ackseq
-
-    def _block(self) -> Sequence[bytes]:
-        self._expected = Sub.CONFIRM
-        self._sent = min(self._blksize, self._segments - self._confirmed)
-        return [
-            sdo.block_segment(self._value, self._confirmed + place, place + 1)
-            for place in range(self._sent)
-        ]
-
-    def _end(self) -> Sequence[bytes]:
-        self._expected = Sub.END
-        return [sdo.block_end(Scs.BLOCK_UPLOAD, len(self._value), self._crc)]
-
-
-class BlockDownload(Transfer):
-    """To the server; what follows a gap in a block has to be sent again (7.2.4.3.9-12)."""
-
-    def __init__(self, target: Target, crc: bool) -> None:
-        self._target = target
-        self._checks_crc = crc
-        self._data = b""
-        self._received = 0  # segments of the block that is under way
-        self._complete = False
-
-    def opening(self, named: bytes) -> bytes:
-        """How long blocks are."""
-        return sdo.message(
-            Scs.BLOCK_DOWNLOAD, named + bytes([sdo.LONGEST_BLOCK]), sdo.BLOCK_CRC | Sub.INITIATE
-        )
-
-    def continues(self, command: int) -> bool:
-        """While a block is under way every frame is a segment of it."""
-        if self._complete:
-            return command >> 5 == Ccs.BLOCK_DOWNLOAD and command & 3 == Sub.END
-        return command != sdo.ABORT
-
-    def answer(self, data: bytes) -> Sequence[bytes]:
-        """Confirm a block when its last segment is there, and the transfer at its end."""
-        if self._complete:
-            return self._end(data)
-        number = sdo.block_number(data)
-        if not number:
-            raise Rejected("segments are numbered from 1", Abort.SEQUENCE_NUMBER)
-        last = bool(data[0] & sdo.LAST_OF_BLOCKS)
-        if number == self._received + 1:
-            self._received = number
-            self._data += data[1:]
-            self._complete = last
-        return self._confirm() if last or number == sdo.LONGEST_BLOCK else []
-
-    def _confirm(self) -> Sequence[bytes]:
-        unused_at_most = sdo.SEGMENT_ROOM if self._complete else 0
-        self._target.check(len(self._data) - unused_at_most)
-        ackseq, self._received = self._received, 0
-        content = bytes([ackseq, sdo.LONGEST_BLOCK])
-        return [sdo.message(Scs.BLOCK_DOWNLOAD, content, Sub.CONFIRM)]
-
-    def _end(self, data: bytes) -> Sequence[bytes]:
-        value = sdo.block_value(data, self._data)
-        if self._checks_crc and sdo.crc(value) != sdo.block_checksum(data):
-            raise Rejected("the CRC is wrong", Abort.CRC)
-        self._target.write(value)
-        self.done = True
-        return [sdo.message(Scs.BLOCK_DOWNLOAD, flags=Sub.END)]
-
 
 Initiate = Callable[[Slave, Entry, bytes], bytes | Transfer]
 """Answers a request about an entry, or opens a transfer; raises `Rejected`."""
@@ -413,3 +196,54 @@ def _not_known(command: int) -> str:
     if command in sdo.BLOCK_INITIATES:
         return "there is no block transfer"
     return "a segment of no open transfer" if command >> 5 in SEGMENTS else "no such command"
+
+
+SERVERS = range(0x1201, 0x1280)  # beyond the one of 0x1200
+REQUESTS, ANSWERS = 1, 2  # sub-indices: COB-ID from the client, and to it
+
+
+class FurtherSdoServer(SdoServer):
+    """One of 0x1201 and on: there while neither of its identifiers is off (7.5.2.34)."""
+
+    def __init__(self, slave: Slave, index: int) -> None:
+        super().__init__(slave)
+        self._index = index
+        for subindex in (REQUESTS, ANSWERS):
+            give_default(slave, (index, subindex), identifiers.INVALID)
+
+    @classmethod
+    def all(cls, slave: Slave) -> Iterator[Service]:
+        """Those that the dictionary has."""
+        for index in SERVERS:
+            if slave.has(index, REQUESTS) and slave.has(index, ANSWERS):
+                yield cls(slave, index)
+
+    @property
+    def objects(self) -> Mapping[Address, Object]:
+        """The rules for its identifiers."""
+        subindices = (REQUESTS, ANSWERS)
+        return {(self._index, sub): Object(write=partial(self._check, sub)) for sub in subindices}
+
+    def listen(self) -> Listening:
+        """Requests on the identifier of its record."""
+        requests, answers = self._cob_ids
+        if requests is None or answers is None:
+            self._close()
+            return
+        self._answers = answers
+        yield (requests, False), self.on_request
+
+    @property
+    def _cob_ids(self) -> list[int | None]:
+        numbers = (self.slave.number(self._index, sub) for sub in (REQUESTS, ANSWERS))
+        return [identifiers.of_cob_id(number) for number in numbers]
+
+    def _check(self, subindex: int, value: int) -> None:
+        """What the file has may be taken into use, though 7.3.5 restricts what many have."""
+        entry = self.slave.entry(self._index, subindex)
+        before, delivered = entry.unpack(entry.read()), entry.unpack(entry.initial)
+        in_use = None not in self._cob_ids
+        if in_use and not value & identifiers.INVALID and value != before:
+            raise Rejected("bit 31 has to be set before the identifier changes")
+        if not delivered or (delivered ^ value) & ~identifiers.INVALID:
+            check_cob_id(value)

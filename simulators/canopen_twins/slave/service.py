@@ -58,6 +58,13 @@ class Service:
         """Called after every frame and every step while active: send what is new."""
 
 
+def give_default(slave: Slave, address: Address, value: int) -> None:
+    """Give an entry that the file leaves without a number the one that the standard has for it."""
+    entry = slave.entries.get(address[0], {}).get(address[1])
+    if entry is not None and entry.variable.default is None and entry.variable.value is None:
+        entry.write(entry.pack(value))
+
+
 def check_cob_id(value: int) -> None:
     """Raises `Rejected` if a COB-ID names no identifier, or one of another service (7.3.5)."""
     if value & RESERVED:

@@ -33,10 +33,14 @@ class Slave(LocalNode):
         self.clock = clock  # a reset makes a fresh slave: the timers of this one end with it
         self.shut = False
         """Off the bus for a while: nothing goes out, nothing comes in. A service says so."""
+        self.restart = False
+        """Whether its communication has to be reset. A service says so."""
         self.profile = profile or Profile()
         self.entries: dict[int, dict[int, Entry]] = {}
         self.on_communication_change: Callable[[], None] = lambda: None
         self.changes = 0  # of the communication area, for whoever has worked something out from it
+        self.errors: dict[str, int] = {}
+        """Errors of communication that last: emergency error codes, by what is wrong in words."""
         self.dummies: dict[int, int] = {}  # those the EDS allows, with their bits
         for index, item in od.indices.items():
             if index in DUMMY_TYPES:

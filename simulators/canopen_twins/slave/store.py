@@ -1,13 +1,18 @@
-"""Store and restore parameters, 0x1010 and 0x1011, with their signatures (CiA 301, 7.5.2.13)."""
+"""Store and restore parameters, and what tells of them: 0x1010, 0x1011, 0x1020 to 0x1022.
+
+CiA 301, 7.5.2.13 to 7.5.2.15, 7.5.2.20 to 7.5.2.22.
+"""
 
 import logging
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from typing import Protocol
 
+from canopen_twins.files.shipped import od_file
 from canopen_twins.slave.memory import Memory
 from canopen_twins.slave.object import Abort, Address, Object, Rejected
-from canopen_twins.slave.service import Service
+from canopen_twins.slave.service import Service, State
 from canopen_twins.slave.slave import Slave
 
 log = logging.getLogger(__name__)
@@ -16,6 +21,10 @@ SAVE = int.from_bytes(b"save", "little")
 LOAD = int.from_bytes(b"load", "little")
 ON_COMMAND = 1  # what reading says: stored when told to, not by itself
 SECTION = "parameters"
+ALL = 1  # sub-index
+AREAS = {ALL: range(0x1000, 0x10000), 2: range(0x1000, 0x2000), 3: range(0x6000, 0xA000)}
+"""What is stored and restored by sub-index: all, communication, application; see MAKERS."""
+MAKERS = {sub: range(0x2000, 0x6000) for sub in range(4, 0x80)}
 
 
 class Keeper(Protocol):
@@ -42,31 +51,43 @@ class Store(Service):
     @property
     def objects(self) -> Mapping[Address, Object]:
         """The commands the dictionary has."""
-        commands: dict[Address, Callable[[int], None]] = {
-            (0x1010, 1): self._save,
-            (0x1011, 1): self._restore,
-        }
         return {
-            address: Object(read=lambda: ON_COMMAND, write=command)
-            for address, command in commands.items()
-            if self.slave.has(*address)
+            (index, sub): Object(read=lambda: ON_COMMAND, write=partial(command, sub))
+            for index, command in ((0x1010, self._save), (0x1011, self._restore))
+            for sub in self.slave.entries.get(index, ())
+            if sub in {*AREAS, *MAKERS}
         }
 
-    def _save(self, signature: int) -> None:
+    def _save(self, subindex: int, signature: int) -> None:
         self._check(signature, SAVE)
-        data = {_key(address): self.slave.entry(*address).read().hex() for address in self._kept}
-        with _writing():
-            self._memory.store(SECTION, data)
-            self._keeper.save()
+        entries = [self.slave.entry(*address) for address in self._of(subindex)]
+        data = {_key(entry.address): entry.read().hex() for entry in entries}
+        self._store(subindex, data, self._keeper.save)
 
-    def _restore(self, signature: int) -> None:
+    def _restore(self, subindex: int, signature: int) -> None:
         self._check(signature, LOAD)
-        with _writing():
-            self._memory.store(SECTION, {})
-            self._keeper.restore()
+        self._store(subindex, {}, self._keeper.restore)
         if self.slave.profile.restore_at_once:
-            for entry in (self.slave.entry(*address) for address in self._kept):
+            for entry in (self.slave.entry(*address) for address in self._of(subindex)):
                 self.slave.write(entry, entry.initial)
+
+    def _store(
+        self, subindex: int, values: Mapping[str, str], keep_others: Callable[[], None]
+    ) -> None:
+        """Replace what is stored of an area; what only the device knows goes with all there is."""
+        with _writing():
+            if subindex == ALL:
+                self._memory.store(SECTION, values)
+                keep_others()
+            else:
+                its_own = {_key(address) for address in self._of(subindex)}
+                before = self._memory.load(SECTION).items()
+                rest = {key: value for key, value in before if key not in its_own}
+                self._memory.store(SECTION, {**rest, **values})
+
+    def _of(self, subindex: int) -> list[Address]:
+        area = AREAS.get(subindex) or MAKERS[subindex]
+        return [address for address in self._kept if address[0] in area]
 
     def _check(self, signature: int, expected: int) -> None:
         profile = self.slave.profile
@@ -99,3 +120,61 @@ def recall(slave: Slave, memory: Memory, kept: Collection[Address], area: range)
 
 def _key(address: Address) -> str:
     return f"{address[0]:04X}:{address[1]:02X}"
+
+
+DATE, TIME = 1, 2  # sub-indices of 0x1020
+
+
+class ConfigurationCheck(Service):
+    """0x1020, where a master writes when it has configured: 0 once something has changed since.
+
+    A process value changes without being configured: what can be mapped does not count.
+    """
+
+    def __init__(self, slave: Slave, kept: Collection[Address]) -> None:
+        super().__init__(slave)
+        self._signature = [(0x1020, sub) for sub in (DATE, TIME) if slave.has(0x1020, sub)]
+        self._kept = kept if self._signature else ()
+        self._running = False
+
+    @property
+    def objects(self) -> Mapping[Address, Object]:
+        """Everything that is configured."""
+        entries = [self.slave.entry(*address) for address in self._kept]
+        return {
+            entry.address: Object(write=partial(self._on_write, entry.address))
+            for entry in entries
+            if entry.address[0] != 0x1020 and entry.size and not entry.variable.pdo_mappable
+        }
+
+    def on_state(self, state: State) -> None:
+        """What has been stored is in force again: that was no change."""
+        self._running = True
+
+    def _on_write(self, address: Address, value: int) -> None:
+        if self._running and value != self.slave.number(*address):
+            for each in self._signature:
+                entry = self.slave.entry(*each)
+                entry.write(entry.pack(0))
+
+
+class StoredEds(Service):
+    """0x1021 and 0x1022: the file that describes the device, as it is."""
+
+    def __init__(self, slave: Slave, eds: str) -> None:
+        super().__init__(slave)
+        self._eds = eds
+
+    @property
+    def objects(self) -> Mapping[Address, Object]:
+        """The file, and that it is not compressed."""
+        reads: Mapping[int, Callable[[], bytes | int]] = {0x1021: self._read, 0x1022: lambda: 0}
+        return {(index, 0): Object(read=reads[index]) for index in reads if self.slave.has(index)}
+
+    def _read(self) -> bytes:
+        try:
+            with od_file(self._eds) as path:
+                return path.read_bytes()
+        except OSError as failure:
+            log.error("%s cannot be read: %s", self._eds, failure)
+            raise Rejected("there is no EDS", Abort.NO_DATA) from failure

@@ -129,6 +129,11 @@ class Device(device.Device):
         """Its outputs and the sparks, and the state of the release."""
         return chart(self.charger)
 
+    @property
+    def bit_rate(self) -> int:
+        """The one in force, of LSS or 2002h:07."""
+        return self.network.bit_rate
+
     def dictionary(self) -> ObjectDictionary:
         """The EDS of the type and variant, with the heartbeat as delivered (A-01)."""
         od = super().dictionary()

@@ -5,21 +5,23 @@ somebody sets it. Every service that the file declares is there.
 """
 
 import logging
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
 from canopen import ObjectDictionary
+from canopen.objectdictionary.datatypes import DOMAIN
 
-from canopen_twins.bus.identifiers import NODE_IDS
+from canopen_twins.bus.identifiers import NODE_IDS, UNCONFIGURED
 from canopen_twins.device.settings import NodeSettings, setting
 from canopen_twins.devices.eds.network import Network
 from canopen_twins.devices.eds.settable import Settable
 from canopen_twins.errors import UserError
 from canopen_twins.files.sections import Remark
 from canopen_twins.slave.dictionary import dictionary, read
-from canopen_twins.slave.eds.reader import UNCONFIGURED, entries_of
+from canopen_twins.slave.eds.reader import entries_of
+from canopen_twins.slave.emcy import Emcy
 from canopen_twins.slave.lss import LssSlave
 from canopen_twins.slave.object import Address
 from canopen_twins.slave.profile import Profile
@@ -45,7 +47,7 @@ class Device(Settable):
     """Every file has a class of its own: see `device_of`."""
 
     settings = Settings()
-    profile = Profile(block=True)
+    profile = Profile(block=True, longest_transfer=1 << 20, tells_bus_errors=True)
     remarks: tuple[Remark, ...] = ()
     """What is wrong or unusual in the file."""
     version = 0
@@ -69,11 +71,18 @@ class Device(Settable):
     def make_model(self) -> None:
         """Where it is on the bus, as its memory has kept it."""
         self.network = Network(self.memory, int(self.settings.node_id))
+        self.heard: dict[int, Emcy] = {}
 
     def check(self) -> None:
-        """Raises `UserError` for a node id outside 1..127, and for modules that are no numbers."""
-        if self.settings.node_id not in NODE_IDS:
-            raise UserError(f"node id {self.settings.node_id} is not in 1..127")
+        """Look at node id and modules.
+
+        Raises:
+            UserError: a node id outside 1..127, but for 255 where LSS can set one; modules that are
+                no numbers.
+        """
+        node_id = self.settings.node_id
+        if node_id not in NODE_IDS and not (node_id == UNCONFIGURED and self._has_lss):
+            raise UserError(f"node id {node_id} is not in 1..127")
         _ = self.modules
 
     @property
@@ -101,13 +110,26 @@ class Device(Settable):
             for index, item in self.dictionary().indices.items()
             if index >= 0x1000 and index not in COMMANDS
             for subindex, variable in entries_of(item).items()
-            if variable.writable and variable.readable
+            if variable.writable and variable.readable and variable.data_type != DOMAIN
         ]
+
+    @property
+    def _has_lss(self) -> bool:
+        return bool(dictionary(self.eds, 0).device_information.LSS_supported)
+
+    def on_emcy(self, node_id: int, emcy: Emcy) -> None:
+        """The last one of each node is shown."""
+        self.heard[node_id] = emcy
+
+    @property
+    def report(self) -> Mapping[str, object]:
+        """What it has heard of others."""
+        return {f"EMCY of node {node_id}": f"{e.code:04X}h" for node_id, e in self.heard.items()}
 
     def services(self, slave: Slave) -> Iterable[Service]:
         """LSS, if the file says so."""
         yield from super().services(slave)
-        if self.dictionary().device_information.LSS_supported:
+        if self._has_lss:
             yield LssSlave(slave, self.network)
 
 
@@ -142,7 +164,9 @@ def _described(path: Path, name: str, version: int) -> type[Device]:
     file = read(str(path))
     told = file.dictionary.device_information
     words = " ".join(filter(None, (told.vendor_name, told.product_name)))
-    node_id = file.node_id if file.node_id not in {None, UNCONFIGURED} else DELIVERED
+    node_id = file.node_id or DELIVERED
+    if node_id == UNCONFIGURED and not told.LSS_supported:  # nobody could ever set one
+        node_id = DELIVERED
     return type(
         path.stem,
         (Device,),
@@ -152,7 +176,7 @@ def _described(path: Path, name: str, version: int) -> type[Device]:
             "eds": str(path),
             "version": version,
             "title": f"{words} ({name})" if words else name,
-            "configured_bit_rate": file.dictionary.bitrate,
+            "bit_rate": file.dictionary.bitrate,
             "files": (path, *file.files),
             "remarks": tuple(file.remarks),
             "settings": Settings(node_id=node_id),

@@ -90,15 +90,12 @@ class Compiler:
             self.path.name.removesuffix(self.path.suffix).removesuffix(".device"),
             (Behaviour, self.base),
             {
+                **_told_by_eds(self._described),
                 "__module__": __name__,
                 "__doc__": f"The device of {self.path.name}.",
-                "eds": self._described.eds,
-                "title": self.file.title or f"{self._described.title}",
+                "title": self.file.title or getattr(self.base, "title", self._described.title),
                 "settings": settings,
                 "profile": replace(self.base.profile, **given),
-                "configured_bit_rate": self._described.configured_bit_rate,
-                "version": self._described.version,
-                "remarks": self._described.remarks,
                 "files": tuple(self.files),
                 "told": Told([*values.values()], emergencies, faults, self.initial),
             },
@@ -296,6 +293,10 @@ class Compiler:
                         variable, _kind(variable), start, _constant(start)
                     )
                 yield address, self.chosen(number)
+
+
+def _told_by_eds(kind: type[Device]) -> Mapping[str, Any]:
+    return {key: value for key, value in vars(kind).items() if not key.startswith("__")}
 
 
 def _setting(table: device_file.SettingTable) -> Any:

@@ -1,10 +1,11 @@
-"""Node id of a file's device: in force, waiting for a reset, and stored (CiA 305)."""
+"""Node id of a file's device, if it has one: in force, waiting, and stored (CiA 305)."""
 
-from canopen_twins.bus.identifiers import NODE_IDS
+from canopen_twins.bus.identifiers import NODE_IDS, UNCONFIGURED
 from canopen_twins.slave.lss import Stored
 from canopen_twins.slave.memory import Memory
 
 SECTION = "lss"
+ADMISSIBLE = frozenset({*NODE_IDS, UNCONFIGURED})
 BIT_TIMINGS = {
     0: 1_000_000,
     1: 800_000,
@@ -24,7 +25,7 @@ class Network:
     def __init__(self, memory: Memory, delivered: int) -> None:
         self._memory = memory
         kept = memory.load(SECTION).get("node_id", delivered)
-        self.node_id: int = kept if kept in NODE_IDS else delivered
+        self.node_id: int = kept if kept in ADMISSIBLE else delivered
         self.pending = self.node_id
         self.bit_timing = self._pending_timing = memory.load(SECTION).get("bit_timing")
 
@@ -34,9 +35,9 @@ class Network:
 
     def configure_node_id(self, node_id: int) -> bool:
         """LSS 11h."""
-        if node_id in NODE_IDS:
+        if node_id in ADMISSIBLE:
             self.pending = node_id
-        return node_id in NODE_IDS
+        return node_id in ADMISSIBLE
 
     def configure_bit_timing(self, table: int, index: int) -> bool:
         """LSS 13h."""

@@ -12,7 +12,7 @@ from canopen_twins.devices.gateway import delivery
 from canopen_twins.devices.gateway.chart import chart
 from canopen_twins.devices.gateway.faults import faults
 from canopen_twins.devices.gateway.messages import MESSAGES, emergencies, report, silence
-from canopen_twins.devices.gateway.model.configuration import PARTNER_NODE
+from canopen_twins.devices.gateway.model.configuration import CANOPEN_BAUDRATE, PARTNER_NODE
 from canopen_twins.devices.gateway.model.state import MasterCommand
 from canopen_twins.devices.gateway.model.system import System
 from canopen_twins.devices.gateway.model.timing import GRID
@@ -99,6 +99,11 @@ class Device(device.Device):
     def rest(self) -> float:
         """Until the next main cycle of a unit, or the next telegram between them."""
         return self.system.rest
+
+    @property
+    def bit_rate(self) -> int:
+        """Parameter 426 (7.2.2)."""
+        return self.units.parameters[CANOPEN_BAUDRATE] * 1000
 
     @property
     def objects(self) -> Mapping[Address, Object]:

@@ -15,6 +15,7 @@ from canopen import ObjectDictionary
 from canopen.objectdictionary import ODArray, ODRecord, ODVariable
 from canopen.objectdictionary.datatypes import DATA_TYPES, DOMAIN, UNSIGNED8
 
+from canopen_twins.bus.identifiers import UNCONFIGURED
 from canopen_twins.errors import UserError
 from canopen_twins.files.sections import Field, Remark, Section, Sections, read_sections
 from canopen_twins.slave.eds import values, xdd
@@ -34,7 +35,6 @@ KNOWN_TYPES = {*ODVariable.STRUCT_TYPES, *DATA_TYPES, *values.TIMES}
 ACCESS = {"r": "ro", "w": "wo", "read": "ro", "write": "wo", "readonly": "ro", "read/write": "rw"}
 KNOWN_ACCESS = ("ro", "wo", "rw", "rwr", "rww", "const")
 BIT_RATES = (10, 20, 50, 125, 250, 500, 800, 1000)  # kbit/s
-UNCONFIGURED = 255
 COMMISSIONING = ("DeviceComissioning", "DeviceCommissioning")
 LARGEST_DOMAIN = 1 << 24  # bytes
 MOST_LINES = 10_000  # of a comment
@@ -237,9 +237,7 @@ class EdsReader:
         section = self._sections.section("DummyUsage")
         if "DummyUsage" not in self._sections:
             allowed = dict.fromkeys(STANDARD_DUMMIES, 1)
-            self._remark(
-                section, "there is no [DummyUsage]: the types 1 to 7 may fill gaps of RPDOs"
-            )
+            self._remark(section, "is not there: the types 1 to 7 may fill gaps of RPDOs")
         else:
             keys = {int(match[1], 16): key for key in section if (match := DUMMY.fullmatch(key))}
             allowed = {index: self._count(section, key) or 0 for index, key in keys.items()}
@@ -416,12 +414,12 @@ class EdsReader:
             return
         try:
             with path.open("rb") as file:
-                content = file.read(LARGEST_DOMAIN + 1)
+                content: bytes | None = file.read(LARGEST_DOMAIN + 1)
         except (OSError, ValueError):
-            self._remark(section, f"UploadFile {name!r} is not beside this file: empty", at)
-            return
-        if len(content) > LARGEST_DOMAIN:
-            self._remark(section, f"UploadFile {name!r} is larger than 16 MiB: empty", at)
+            content = None
+        if content is None or len(content) > LARGEST_DOMAIN:
+            told = "is not beside this file" if content is None else "is larger than 16 MiB"
+            self._remark(section, f"UploadFile {name!r} {told}: as if it were not said", at)
             return
         variable.value = content
         self._eds.files.append(path)

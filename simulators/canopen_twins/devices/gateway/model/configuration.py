@@ -17,6 +17,7 @@ TYPE = 4000  # a type has the number of its assignment plus this
 CANOPEN = 3
 
 # of the gateway
+CANOPEN_BAUDRATE = 426
 OWN_NODE, PARTNER_NODE, HEARTBEAT_PERIOD, HEARTBEAT_LIMIT = range(427, 431)
 TPDO_IDENTIFIER = 16404  # of TPDO5
 
