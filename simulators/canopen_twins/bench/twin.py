@@ -82,8 +82,11 @@ class Twin(ABC):
     def set(self, **settings: object) -> None:
         """Change live settings, such as the load.
 
+        Of a device that a file describes also objects, by their names or addresses: what it
+        measures. A setting of the same name comes first.
+
         Raises:
-            UserError: no such setting, a wrong value, or one taken over at power-on only.
+            UserError: no such setting or object, a wrong value, or one taken over at power-on only.
         """
         self.order("set", settings)
 

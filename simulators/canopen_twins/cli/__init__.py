@@ -45,8 +45,9 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
     },
     "check": {
         "check": "say what is wrong with scenarios, bench files and EDS files",
-        "schema": "print the JSON Schema of scenarios or of bench files, for editors",
+        "schema": "print the JSON Schema of scenarios, bench files or device files, for editors",
     },
+    "new_device": {"new-device": "write a package to start from, for a device of your own"},
     "replay": {
         "replay": "live through a record again: its frames in candump format, "
         "1 if they are others now",
@@ -107,7 +108,8 @@ class Version(argparse.Action):
 
 def _complete(name: str, module: str, parser: Parser) -> None:
     add_verbosity(parser)
-    getattr(import_module(f"canopen_twins.cli.{module}"), f"add_{name}")(parser)
+    add = f"add_{name.replace('-', '_')}"
+    getattr(import_module(f"canopen_twins.cli.{module}"), add)(parser)
 
 
 def _refused(why: str) -> int:

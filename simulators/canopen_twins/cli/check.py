@@ -6,12 +6,14 @@ import sys
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
+from os.path import relpath
 from pathlib import Path
 
 from canopen_twins import devices
 from canopen_twins import scenario as rules
 from canopen_twins.bench.bench import Bench
 from canopen_twins.cli.command import OK, SCENARIO, WRONG_INPUT, Parser
+from canopen_twins.devices.eds import compile as device_files
 from canopen_twins.devices.eds import described
 from canopen_twins.errors import UserError, unknown
 from canopen_twins.files.document import Item, understand
@@ -22,7 +24,7 @@ BENCH_KEYS = {"version", "note", "nodes"}
 
 def add_check(parser: Parser) -> None:
     """check."""
-    text = f"a scenario ({SCENARIO}), a bench file, or an EDS, DCF, XDD or XDC file"
+    text = f"a scenario ({SCENARIO}), a bench or device file, or an EDS, DCF, XDD or XDC file"
     parser.add_argument("files", nargs="+", metavar="FILE", help=text)
     parser.set_defaults(command=check)
 
@@ -50,10 +52,12 @@ def _remarks(name: str) -> Sequence[str]:
         UserError: the file is of no use.
     """
     path = Path(name)
-    if devices.is_file(name):
-        kind = described(path)
+    if devices.tells_of_device(name):
+        in_yaml = path.suffix.lower() in devices.YAML
+        kind = device_files.described(path) if in_yaml else described(path)
         Bench(kind)  # it boots
-        return [remark.told(name) for remark in kind.remarks]
+        eds = relpath(kind.eds) if in_yaml else name
+        return [remark.told(eds) for remark in kind.remarks]
     if path.exists() and understand(path, _is_bench):
         rules.load_bench(path)
     else:
@@ -91,16 +95,23 @@ def found(name: str) -> AbstractContextManager[Path]:
 
 def add_schema(parser: Parser) -> None:
     """schema."""
-    parser.add_argument("file", nargs="?", choices=("scenario", "bench"), default="scenario")
+    parser.add_argument(
+        "file", nargs="?", choices=("scenario", "bench", "device"), default="scenario"
+    )
     parser.set_defaults(command=schema)
 
 
 def schema(options: argparse.Namespace) -> int:
     """Print the JSON Schema of the files that users write, for their editors."""
     # pydantic, which a run without a scenario starts without
-    from canopen_twins.files.table import json_schema  # noqa: PLC0415
+    from canopen_twins.devices.eds.device_file import DeviceFile  # noqa: PLC0415
+    from canopen_twins.files.table import Table, json_schema  # noqa: PLC0415
     from canopen_twins.scenario.schema import BenchFile, ScenarioFile  # noqa: PLC0415
 
-    table = BenchFile if options.file == "bench" else ScenarioFile
-    print(json.dumps(json_schema(table), indent=2))
+    tables: dict[str, type[Table]] = {
+        "scenario": ScenarioFile,
+        "bench": BenchFile,
+        "device": DeviceFile,
+    }
+    print(json.dumps(json_schema(tables[options.file]), indent=2))
     return OK

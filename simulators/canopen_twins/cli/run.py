@@ -138,7 +138,7 @@ def _participants(options: argparse.Namespace, scenario: Scenario | None) -> dic
         UserError: there is no such device or file, or it cannot be as it is told to be.
     """
     name = options.device or ""
-    if not devices.is_file(name) and ("/" in name or name.endswith((".yaml", ".yml"))):
+    if not devices.tells_of_device(name) and ("/" in name or name.endswith((".yaml", ".yml"))):
         _refuse(options, options.device, (*OF_ONE_DEVICE, "scenario"))
         return _delivered(_of_bench(options.device))
     if scenario is not None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import fields
 from functools import cache
 from math import inf
 from pathlib import Path
@@ -225,6 +226,10 @@ class Device:
 
     def on_rpdo_refused(self, number: int, refusal: Rejected) -> None:
         """An RPDO was too short, or brought a value that an object refused."""
+
+    def knows(self, name: str) -> bool:
+        """Whether `set` takes something of this name."""
+        return name in {field.name for field in fields(self.settings)}
 
     def set(self, **given: object) -> None:
         """Change settings while the device runs.

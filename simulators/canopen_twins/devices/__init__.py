@@ -16,7 +16,8 @@ from canopen_twins.errors import UserError, unknown
 
 GROUP = "canopen_twins.devices"
 OF_FILES = "eds"  # the package of devices that are described by a file
-FILES = (".eds", ".dcf", ".xdd", ".xdc")
+YAML = (".yaml", ".yml")
+FILES = (".eds", ".dcf", ".xdd", ".xdc", *YAML)
 """Suffixes of files that describe a device."""
 What: TypeAlias = str | Path | type[Device]
 """A device by its name, by its file, or by its class."""
@@ -32,6 +33,19 @@ def is_file(name: str) -> bool:
     return name.lower().endswith(FILES)
 
 
+def tells_of_device(name: str) -> bool:
+    """Whether a name is such a file; of YAML files those are that say which EDS they have."""
+    suffixes = [suffix.lower() for suffix in Path(name).suffixes]
+    if not suffixes or suffixes[-1] not in YAML or suffixes[-2:-1] == [".device"]:
+        return is_file(name)
+    from canopen_twins.files.document import understand  # noqa: PLC0415 - most processes need none
+
+    try:
+        return understand(Path(name), lambda file: "eds" in file.pairs)
+    except UserError:
+        return False
+
+
 def find(name: str, beside: Path | None = None) -> type[Device]:
     """The class of a device.
 
@@ -44,9 +58,14 @@ def find(name: str, beside: Path | None = None) -> type[Device]:
             no such file, or it describes no device.
     """
     if is_file(name):
+        path = (beside or Path()) / name
+        if path.suffix.lower() in YAML:
+            from canopen_twins.devices.eds import compile as device_files  # noqa: PLC0415 - pydantic
+
+            return device_files.device_of(path)
         from canopen_twins.devices import eds  # noqa: PLC0415 - most processes need none
 
-        return eds.device_of((beside or Path()) / name)
+        return eds.device_of(path)
     if name not in names():
         told = str(unknown("device", name, names()))
         near = told.endswith("?")

@@ -32,7 +32,7 @@ class Action:
 
 @dataclass(frozen=True)
 class Set(Action):
-    """Changes live settings, such as the load, as an operator or the plant would: all at once."""
+    """Changes live settings and objects, as an operator or the plant would: all at once."""
 
     settings: Mapping[str, Any]
 

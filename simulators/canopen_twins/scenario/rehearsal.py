@@ -35,13 +35,10 @@ class Rehearsal:
         self._seed = seed
 
     def set(self, given: Mapping[Item, Item]) -> dict[str, Any]:
-        """Live settings; what the device does not take becomes a problem."""
-        known = _settings(type(self._device))
+        """Live settings and objects; what the device does not take becomes a problem."""
         taken = {}
         for name, value in given.items():
-            with name.problems.at(Pair(name, value).place(known)):
-                if name.text not in known:
-                    raise unknown("setting", name.text, known)
+            with name.problems.at(value if self._device.knows(name.text) else name):
                 self._device.set(**{name.text: value.value})
                 taken[name.text] = value.value
         return taken

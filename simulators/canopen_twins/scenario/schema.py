@@ -5,13 +5,30 @@ their values.
 """
 
 from collections.abc import Callable, Mapping
-from typing import Annotated, ClassVar, TypeVar
+from typing import Annotated, ClassVar
 
-from pydantic import BeforeValidator, ConfigDict, Discriminator, Field, Tag
+from pydantic import ConfigDict, Discriminator, Field, Tag
 
 from canopen_twins.bus.frame import Frame, pattern
 from canopen_twins.device.node import Node as Twin
-from canopen_twins.files.document import LONGEST_TIME, Item
+from canopen_twins.files.document import Item
+from canopen_twins.files.leaves import (
+    BY_NAME,
+    HIGHEST,
+    File,
+    Name,
+    Named,
+    Number,
+    Parameters,
+    Scalar,
+    Seconds,
+    SomeSeconds,
+    Text,
+    as_it_stands,
+    up_to,
+    whole,
+    word,
+)
 from canopen_twins.files.table import (
     IfRight,
     Leaf,
@@ -29,8 +46,6 @@ from canopen_twins.scenario.matchers import COMMANDS
 from canopen_twins.scenario.sdo_client import ACCEPTED
 from canopen_twins.slave.service import State
 
-Value = TypeVar("Value")
-
 ANY, NONE, MASTER = "any", "none", "master"
 STATES: Mapping[str, State] = {state.lower(): state for state in State}
 HEARTBEATS: Mapping[str, str] = {
@@ -39,51 +54,10 @@ HEARTBEATS: Mapping[str, str] = {
 }
 SWITCHES: Mapping[str, Callable[[Twin], None]] = {"on": Twin.power_on, "off": Twin.power_off}
 
-HIGHEST = 0xFFFF_FFFF
 HEX = "[0-9A-Fa-f]"
 FRAME = rf"^({HEX}{{3}}|{HEX}{{8}})#(R[0-8]?|({HEX}{{2}}|\.)*)$"
 LIKE_A_FRAME = r"^([0-9A-FXa-fx]{3}|[0-9A-FXa-fx]{8})#(R[0-8]?|[0-9A-FXa-fx.]*\*?)$"
-TIME = {"type": "number", "minimum": 0, "maximum": LONGEST_TIME}
-TEXT = ["string", "number", "boolean"]
 ABORT = {"anyOf": [{"enum": [NONE]}, {"type": "integer", "minimum": 1, "maximum": HIGHEST}]}
-
-
-def word(what: str, known: Mapping[str, object]) -> Leaf:
-    """One word out of several, as what it stands for."""
-    return Leaf(lambda item: known[item.one_of(what, known)], {"enum": [*known]})
-
-
-def whole(low: int, high: int) -> Leaf:
-    """A whole number, both ends included."""
-
-    def mean(item: Item) -> int:
-        if not low <= (number := item.whole) <= high:
-            raise item.wrong(f"{item.text} is not in {low}..{high}")
-        return number
-
-    return Leaf(mean, {"type": "integer", "minimum": low, "maximum": high})
-
-
-def up_to(highest: int) -> Leaf:
-    """A whole number from 0 on, its end told in hexadecimal."""
-    schema = {"type": "integer", "minimum": 0, "maximum": highest}
-    return Leaf(lambda item: item.whole_up_to(highest), schema)
-
-
-def as_it_stands(check: Callable[[Item], object], schema: Mapping[str, object]) -> Leaf:
-    """A value that is one by its looks; what it means says a device."""
-
-    def mean(item: Item) -> Item:
-        check(item)
-        return item
-
-    return Leaf(mean, schema)
-
-
-def _some_time(item: Item) -> float:
-    if not (seconds := item.seconds):
-        raise item.wrong(f"{item.text} s is no time; it has to be more")
-    return seconds
 
 
 def _frame_like(item: Item) -> str:
@@ -99,10 +73,6 @@ def _abort_code(item: Item) -> int | None:
     return code
 
 
-Seconds = Annotated[float, Leaf(lambda item: item.seconds, TIME)]
-SomeSeconds = Annotated[float, Leaf(_some_time, {**TIME, "exclusiveMinimum": 0})]
-Number = Annotated[float, Leaf(lambda item: item.number, {"type": "number"})]
-Text = Annotated[str, Leaf(lambda item: item.text, {"type": TEXT})]
 OneFrame = Annotated[
     Frame, Leaf(lambda item: Frame.parse(item.text), {"type": "string", "pattern": FRAME})
 ]
@@ -110,18 +80,10 @@ FrameShape = Annotated[str, Leaf(_frame_like, {"type": "string", "pattern": LIKE
 Switch = Annotated[Callable[[Twin], None], word("position of the supply", SWITCHES)]
 Always = Annotated[str, Leaf(lambda item: item.one_of("silence", ["true"]), {"const": True})]
 Command = Annotated[int, word("NMT command", COMMANDS)]
-Name = Annotated[Item, as_it_stands(lambda item: item.text, {"type": "string"})]
-Scalar = Annotated[Item, as_it_stands(lambda item: item.value, {"type": [*TEXT, "null"]})]
 NodeId = Annotated[
     Item,
     as_it_stands(lambda item: item.value, {"type": "integer", "minimum": 1, "maximum": 127}),
 ]
-
-BY_NAME = BeforeValidator(lambda table: {pair.key: pair.value for pair in table.pairs.values()})
-Parameters = Annotated[dict[Name, Scalar], BY_NAME]
-"""Values by their names; there may be none."""
-Named = Annotated[dict[Name, Value], Field(min_length=1), BY_NAME]
-"""What is told of at least one name."""
 
 WORD_OR_TABLE = Discriminator(lambda found: "table" if found.is_mapping else "word")
 """Between what is tagged "word" and what is tagged "table"."""
@@ -276,7 +238,7 @@ class AnyStep(Table):
     note: Text = ""
     """Why it is there; free text, shown where something did not come as expected."""
     set: Named[Scalar] | None = None
-    """Changes settings that may change while the device runs, such as its load."""
+    """Changes settings that may change while it runs; of a file's device also its objects."""
     write: Named[Scalar] | None = None
     """Writes objects by SDO, one after the other, as a master does."""
     read: Values | None = None
@@ -314,16 +276,8 @@ class Step(AnyStep):
     """At the moment it happens; watched for from the step above on."""
 
 
-VERSION = 1
 MOST_STEPS, MOST_NODES = 10_000, 127
 BIT_RATES = 10_000, 1_000_000  # CiA 301, 5.2
-
-
-def _check_version(version: Item) -> None:
-    """Another version is a problem; the rest is looked at all the same."""
-    with version.problems.at(version):
-        if version.whole != VERSION:
-            raise version.wrong(f"version {version.text} is unknown; this program reads {VERSION}")
 
 
 class Node(Table):
@@ -338,15 +292,6 @@ class Node(Table):
 
 
 Nodes = Annotated[dict[Name, IfRight[Node]], Field(min_length=1, max_length=MOST_NODES), BY_NAME]
-
-
-class File(Table):
-    """What every file has."""
-
-    version: Annotated[None, Leaf(_check_version, {"const": VERSION})]
-    """Version of the format: 1."""
-    note: Text = ""
-    """Free text."""
 
 
 class BenchFile(File):

@@ -1,14 +1,13 @@
 """Objects as a scenario names them: "Run command", "Record.Entry", 0x2014 or 0x1003:0A."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 from canopen import ObjectDictionary
 from canopen.objectdictionary import ODVariable
 from canopen.objectdictionary.datatypes import VISIBLE_STRING
 
-from canopen_twins.errors import UserError, unknown
-from canopen_twins.slave.dictionary import Names, address_text, entries, parse_address
+from canopen_twins.errors import UserError
+from canopen_twins.slave.dictionary import Objects, address_text, parse_address
 from canopen_twins.slave.object import Address
 
 
@@ -35,7 +34,7 @@ class Targets:
     """The objects of one dictionary."""
 
     def __init__(self, od: ObjectDictionary) -> None:
-        self._known = Names(_named(od))
+        self._objects = Objects(od)
 
     def find(self, text: str) -> Target:
         """An object that is there.
@@ -43,10 +42,7 @@ class Targets:
         Raises:
             UserError: it is not, or several have this name.
         """
-        name = self._address(text) if text.startswith("0x") else text
-        if name not in self._known:
-            raise unknown("object", name, self._known)
-        variable = self._known[name]
+        variable = self._objects.find(text)
         return Target(text, (variable.index, variable.subindex), variable)
 
     def find_any(self, text: str) -> Target:
@@ -58,7 +54,7 @@ class Targets:
         if not (parsed := parse_address(text)):
             return self.find(text)
         address = parsed[0], parsed[1] or 0
-        return Target(text, address, self._known.get(address_text(address)))
+        return Target(text, address, self._objects.get(address_text(address)))
 
     def find_readable(self, text: str) -> Target:
         """The same; raises also if the EDS lets nobody read it."""
@@ -69,20 +65,3 @@ class Targets:
                 "if that is the point, put abort: 0x06010001 beside"
             )
         return target
-
-    def _address(self, text: str) -> str:
-        if not parse_address(text):
-            raise UserError(f"{text!r} is no address; addresses look like 0x2014 or 0x1003:0A")
-        text = f"0x{text[2:].upper()}"
-        if f"{text}:00" in self._known and text not in self._known:
-            raise UserError(f"{text} is a record: say which entry of it, such as {text}:01")
-        return text
-
-
-def _named(od: ObjectDictionary) -> Iterator[tuple[str, Address, ODVariable]]:
-    for name, variable in entries(od):
-        address = variable.index, variable.subindex
-        yield name, address, variable
-        if variable.parent is od:
-            yield f"0x{variable.index:04X}", address, variable
-        yield address_text(address), address, variable

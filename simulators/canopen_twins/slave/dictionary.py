@@ -10,7 +10,7 @@ from canopen import ObjectDictionary
 from canopen.objectdictionary import ODVariable
 
 from canopen_twins.bus.sdo import Address
-from canopen_twins.errors import UserError
+from canopen_twins.errors import UserError, unknown
 from canopen_twins.files.shipped import od_file
 from canopen_twins.slave.eds.reader import Eds, entries_of, read_eds
 
@@ -111,3 +111,38 @@ class Names(Mapping[str, Item]):
 
     def __len__(self) -> int:
         return len(self._items)
+
+
+class Objects(Names[ODVariable]):
+    """The entries of a dictionary by names and by addresses: 0x2014 or 0x1003:0A."""
+
+    def __init__(self, od: ObjectDictionary) -> None:
+        super().__init__(_named(od))
+
+    def find(self, text: str) -> ODVariable:
+        """An entry that is there.
+
+        Raises:
+            UserError: it is not, or several have this name.
+        """
+        name = self._address(text) if text.startswith("0x") else text
+        if name not in self:
+            raise unknown("object", name, self)
+        return self[name]
+
+    def _address(self, text: str) -> str:
+        if not parse_address(text):
+            raise UserError(f"{text!r} is no address; addresses look like 0x2014 or 0x1003:0A")
+        text = f"0x{text[2:].upper()}"
+        if f"{text}:00" in self and text not in self:
+            raise UserError(f"{text} is a record: say which entry of it, such as {text}:01")
+        return text
+
+
+def _named(od: ObjectDictionary) -> Iterator[tuple[str, Address, ODVariable]]:
+    for name, variable in entries(od):
+        address = variable.index, variable.subindex
+        yield name, address, variable
+        if variable.parent is od:
+            yield f"0x{variable.index:04X}", address, variable
+        yield address_text(address), address, variable

@@ -14,9 +14,9 @@ from canopen import ObjectDictionary
 from canopen.objectdictionary.datatypes import DOMAIN
 
 from canopen_twins.bus.identifiers import NODE_IDS, UNCONFIGURED
-from canopen_twins.device.device import Device as AnyDevice
 from canopen_twins.device.settings import NodeSettings, setting
 from canopen_twins.devices.eds.network import Network
+from canopen_twins.devices.eds.settable import Settable
 from canopen_twins.errors import UserError
 from canopen_twins.files.sections import Remark
 from canopen_twins.slave.dictionary import dictionary, read
@@ -43,7 +43,7 @@ class Settings(NodeSettings):
     )
 
 
-class Device(AnyDevice):
+class Device(Settable):
     """Every file has a class of its own: see `device_of`."""
 
     settings = Settings()
@@ -128,6 +128,7 @@ class Device(AnyDevice):
 
     def services(self, slave: Slave) -> Iterable[Service]:
         """LSS, if the file says so."""
+        yield from super().services(slave)
         if self._has_lss:
             yield LssSlave(slave, self.network)
 
