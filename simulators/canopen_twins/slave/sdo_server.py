@@ -386,8 +386,9 @@ class SdoServer(Service):
 
     def _meant(self, data: bytes) -> bytes:
         """The multiplexer of the object that an unknown command belongs to."""
-        if data[0] in sdo.BLOCK_INITIATES or not self.slave.profile.segmented:
-            return data[1:4]  # without segments only an initiate can be meant
+        unknown = sdo.BLOCK_INITIATES if self.slave.profile.segmented else sdo.INITIATES
+        if data[0] in unknown:
+            return data[1:4]
         return sdo.NO_OBJECT if self._transfer is None else self._named
 
     def _watch(self) -> None:
