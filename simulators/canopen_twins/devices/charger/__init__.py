@@ -116,7 +116,7 @@ class Device(device.Device):
             "voltage [V]": round(output.voltage),
             "current [uA]": round(output.current * TO_MICRO),
             "power [W]": round(output.power, 1),
-            "limited by": output.limiter.value if output.limiter else "nothing",
+            "limited by": charger.limiter.value if charger.limiter else "nothing",
             "discharging [V]": round(discharge.voltage),
             "supply [V]": round(charger.supply.voltage, 2),
             "sparks": [*charger.charging.sparks.counts.values()],

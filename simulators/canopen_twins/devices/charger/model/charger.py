@@ -21,7 +21,7 @@ from canopen_twins.devices.charger.model.sparks import Sparks
 from canopen_twins.devices.charger.model.surroundings import Feed, Surroundings, feed
 from canopen_twins.devices.charger.model.thermal import Derating, Heating, losses
 from canopen_twins.devices.charger.model.ticks import TICK, Hours, whole_ticks
-from canopen_twins.devices.charger.model.types import Build, Variant
+from canopen_twins.devices.charger.model.types import Build, Quantity, Variant
 
 # /C has no entries for the settings of its discharging: by the letter it just works (A-20).
 FIXED_IN_C = {
@@ -77,6 +77,11 @@ class Charger:
         return self.release.state is ReleaseState.ON
 
     @property
+    def limiter(self) -> Quantity | None:
+        """What limits the charging (6401h:04h); it falls with the high voltage."""
+        return self.charging.output.limiter if self.charging_active else None
+
+    @property
     def discharging_active(self) -> bool:
         """High voltage at the discharging terminals (2002h:27h, A-43)."""
         values = self.parameters
@@ -117,7 +122,7 @@ class Charger:
             sparks_limit=values[Parameter.SPARKS_LIMIT],
             voltage=output.voltage,
             regulator=output.regulator,
-            limiter=None if output.ramping(self.now) else output.limiter,
+            limiter=self.limiter,
             limiter_warning=values[Parameter.LIMITER_WARNING] == 1,
             pollution=self.charging.pollution,
             dirt=self.dirt,
@@ -264,7 +269,7 @@ class Charger:
         if self.charging_active:
             self.charging.drive(self.now, ticks, around, self.derating.charging)
         else:
-            self.charging.idle(self.now, ticks)
+            self.charging.idle(self.now, ticks, around)
         if self.discharging_active:
             self.discharging.drive(ticks, around.bars, around.web, self.derating.discharging)
         elif self.build.discharges:
