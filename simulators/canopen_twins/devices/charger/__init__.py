@@ -30,7 +30,14 @@ from canopen_twins.devices.charger.model.ticks import MINUTE, TICK
 from canopen_twins.devices.charger.model.types import Mode
 from canopen_twins.devices.charger.object_table import addresses, factory, file_name
 from canopen_twins.devices.charger.objects import Control, actual_values
-from canopen_twins.devices.charger.settings import Settings, build, detector, undisturbed
+from canopen_twins.devices.charger.settings import (
+    Settings,
+    build,
+    detector,
+    hours,
+    timed,
+    undisturbed,
+)
 from canopen_twins.devices.charger.storage import Storage
 from canopen_twins.slave.dictionary import dictionary
 from canopen_twins.slave.lss import LssSlave
@@ -40,6 +47,7 @@ log = logging.getLogger(__name__)
 LED_BAR = (0x2002, 0x1D)
 FACTORY_BIT_TIMING = 4  # 2002h:07h
 TO_MICRO = 1e6
+LONGEST_REST = 3600.0  # s (A-79)
 
 
 class Device(device.Device):
@@ -102,8 +110,8 @@ class Device(device.Device):
 
     @property
     def rest(self) -> float:
-        """Nothing moves in a charger that has settled."""
-        return self.charger.rest
+        """Nothing moves in a charger that has settled; its hour counters want to be kept."""
+        return min(self.charger.rest, LONGEST_REST)
 
     @property
     def report(self) -> Mapping[str, object]:
@@ -154,8 +162,15 @@ class Device(device.Device):
         self._factory = factory(self.build.kind)
         self._find_place()
         values = self.storage.parameters(self._factory)
-        self.charger = Charger(self.build, values, self.catalogue, detector(self.settings))
-        self.charger.hours = self.storage.hours()
+        self.charger = Charger(
+            self.build,
+            values,
+            self.catalogue,
+            detector(self.settings),
+            timed=timed(self.settings),
+            surroundings=undisturbed(self.settings),
+        )
+        self.charger.hours = self.storage.hours(hours(self.settings))
         self._saved = self.charger.hours.operating // MINUTE
         self.control = Control(self.charger)
         self.apply()
@@ -163,9 +178,20 @@ class Device(device.Device):
             name = severity.name.lower()
             log.warning("%s %r has no message in the catalogue", name, key)
 
+    def power_on(self) -> None:
+        """All is made anew but for the charge that is left at the terminal, and the heat."""
+        former = self.charger
+        self.make_model()
+        self.charger.inherit(former)
+
     def power_off(self) -> None:
         """The hour counters survive."""
         self.storage.save_hours(self.charger.hours)
+        self.charger.switch_off()
+
+    def step_unpowered(self, dt: float) -> None:
+        """What is left of the charge and of the heat goes."""
+        self.charger.step_unpowered(dt)
 
     def reset_node(self) -> None:
         """81h is like power-on, but nothing cools down (A-26)."""
@@ -200,7 +226,7 @@ class Device(device.Device):
             self.charger.surround(**changes)
 
     def step(self, dt: float) -> None:
-        """Let time pass in the charger; its hour counters are kept by the minute."""
+        """Let time pass in the charger; a minute that has passed is kept in the hour counters."""
         self.charger.step(dt)
         minutes = self.charger.hours.operating // MINUTE
         if minutes != self._saved:

@@ -16,7 +16,7 @@ from canopen_twins.devices.charger.model.messages import (
     Situation,
 )
 from canopen_twins.devices.charger.model.parameters import Parameter, Parameters
-from canopen_twins.devices.charger.model.release import Release, ReleaseSource, ReleaseState
+from canopen_twins.devices.charger.model.release import EVERY, Release, ReleaseSource, ReleaseState
 from canopen_twins.devices.charger.model.sparks import Sparks
 from canopen_twins.devices.charger.model.surroundings import Feed, Surroundings, feed
 from canopen_twins.devices.charger.model.thermal import Derating, Heating, losses
@@ -46,6 +46,8 @@ class Charger:
         values: Every parameter, as stored or as the factory sets it.
         catalogue: The messages that can be reported.
         sparks: The detector, where another reading of the manual is wanted (A-56, A-57).
+        timed: The sources whose releases the timeout ends (A-42).
+        surroundings: What is around it when it is switched on.
     """
 
     def __init__(
@@ -54,15 +56,18 @@ class Charger:
         values: Mapping[Parameter, int],
         catalogue: Catalogue,
         sparks: Sparks | None = None,
+        *,
+        timed: ReleaseSource = EVERY,
+        surroundings: Surroundings | None = None,
     ) -> None:
         self.build = build
         self.parameters = Parameters(build.kind, values)
         self.now = 0  # ticks
-        self.surroundings = Surroundings()
-        self.release = Release()
+        self.surroundings = surroundings or Surroundings()
+        self.release = Release(timed)
         self.charging = Charging(build.kind, self.parameters, sparks or Sparks())
         self.discharging = Discharging(build.kind, self.parameters)
-        self.heating = Heating(discharging=build.discharges)
+        self.heating = Heating(self.surroundings.ambient, discharging=build.discharges)
         self.derating = Derating(build.kind)
         self.messages = Messages(catalogue)
         self.hours = Hours()
@@ -206,11 +211,38 @@ class Charger:
         self.release.contact(self.surroundings.hardware_release)
         if "storm" in changes:
             self.charging.expect(self.surroundings.storm)
+        self._warm()
         self._touched = True
+
+    def inherit(self, former: "Charger") -> None:
+        """What outlives the supply goes on: the charge at the terminal, and the heat."""
+        self.charging.output.hold(former.charging.output.voltage)
+        self.heating.inherit(former.heating.at(former.now), self.now)
+
+    def switch_off(self) -> None:
+        """The supply goes, and with it what it feeds."""
+        self.release.restart()
+        self.charging.idle(self.now, 0, self.surroundings)
+        self.discharging.idle(self.surroundings.web)
+        self._cool()
+
+    def step_unpowered(self, dt: float) -> None:
+        """Let `dt` seconds, whole ticks, pass without supply: it cools, and the load drains it."""
+        ticks = whole_ticks(dt)
+        self.now += ticks
+        self.charging.idle(self.now, ticks, self.surroundings)
+        self._cool()
+
+    def _cool(self) -> None:
+        none = losses(0.0, 0.0, 0.0)
+        self.heating.lead(self.now, none, self.surroundings.ambient, self.surroundings.heat)
 
     @property
     def rest(self) -> float:
-        """Seconds until the next thing happens by itself; 0 while something moves."""
+        """Seconds until the next thing happens by itself; 0 while something moves.
+
+        The hour counters run meanwhile.
+        """
         quiet = self._quiet
         return quiet * TICK if quiet > 1 else 0.0
 
@@ -239,9 +271,8 @@ class Charger:
             self.charging.quiet(now, charging),
             self.discharging.quiet(discharging),
             self.heating.quiet(now),
-            self.derating.quiet(now, self.heating.at(now), self.supply.voltage),
+            self.derating.quiet(now, self.heating.at(now)),
             self.messages.quiet(now),
-            self.hours.quiet(charging, discharging),
         )
 
     def _advance(self, ticks: int) -> None:
@@ -280,7 +311,7 @@ class Charger:
         delivered = self.charging.output.power, self.discharging.now.power
         lost = losses(supply.power, *delivered)
         self.heating.lead(self.now, lost, around.ambient, around.heat)
-        self.derating.review(self.now, self.heating.at(self.now), supply.voltage)
+        self.derating.review(self.now, self.heating.at(self.now), supply.voltage, around.heat)
 
     def _react(self) -> None:
         """An error that trips switches off and blocks until it is cleared (A-48)."""

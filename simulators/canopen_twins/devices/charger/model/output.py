@@ -193,14 +193,9 @@ class Output:
     def _follow(self, begin: int, demand: Demand, load: Load) -> None:
         """Begin a ramp at switch-on, and where a changed set value moves the output (2002h:11h)."""
         last, self._demand = self._demand, demand
-        if last is None:
-            self._start = Point()
-        elif last[:2] == demand[:2] and last.governing is demand.governing:
+        if last is not None and not _moves(last, demand, load):
             return
-        elif regulate(last._replace(power=demand.power), load)[0] == regulate(demand, load)[0]:
-            return
-        else:
-            self._start = self._now
+        self._start = Point() if last is None else self._now
         self._ramp = Ramp(0.0, 1.0, begin, demand.ramp_time)
 
     def _operate(self, now: int, ticks: int, demand: Demand, load: Load) -> Point:
@@ -232,3 +227,11 @@ class Output:
             current = demand.current + (1 - share) * above
         voltage = start.voltage + share * (end - start.voltage)
         return demand._replace(voltage=voltage, current=current)
+
+
+def _moves(last: Demand, demand: Demand, load: Load) -> bool:
+    """Whether set values have changed so that the output ends elsewhere."""
+    if last[:2] == demand[:2] and last.governing is demand.governing:
+        return False
+    before = last._replace(power=demand.power)
+    return regulate(before, load)[0] != regulate(demand, load)[0]
