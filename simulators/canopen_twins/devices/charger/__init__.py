@@ -26,7 +26,7 @@ from canopen_twins.devices.charger.faults import faults
 from canopen_twins.devices.charger.model.charger import Charger
 from canopen_twins.devices.charger.model.parameters import Parameter
 from canopen_twins.devices.charger.model.surroundings import Surroundings
-from canopen_twins.devices.charger.model.ticks import MINUTE, TICK
+from canopen_twins.devices.charger.model.ticks import MINUTE, TICK, TICK_MS
 from canopen_twins.devices.charger.model.types import Mode
 from canopen_twins.devices.charger.object_table import addresses, factory, file_name
 from canopen_twins.devices.charger.objects import Control, actual_values
@@ -46,7 +46,7 @@ log = logging.getLogger(__name__)
 
 LED_BAR = (0x2002, 0x1D)
 FACTORY_BIT_TIMING = 4  # 2002h:07h
-TO_MICRO = 1e6
+TO_MILLI, TO_MICRO = 1e3, 1e6
 LONGEST_REST = 3600.0  # s (A-79)
 
 
@@ -57,7 +57,9 @@ class Device(device.Device):
     title = "Eltex POWER CHARGER high-voltage generator (CANopen protocol description)"
     settings = Settings()
     stored = (HEARTBEAT, CYCLE, LED_BAR)
-    cycle = TICK
+    cycle = 0.001  # finer than a tick, for the dead time of the spark detector
+    late = 0
+    """Milliseconds since the last tick of the charger."""
 
     def configure(self, **given: object) -> None:
         """Change settings while the supply is off; what surrounds it is as delivered."""
@@ -111,7 +113,7 @@ class Device(device.Device):
     @property
     def rest(self) -> float:
         """Nothing moves in a charger that has settled; its hour counters want to be kept."""
-        return min(self.charger.rest, LONGEST_REST)
+        return min(max(self.charger.rest, TICK), LONGEST_REST) - self.late / TO_MILLI
 
     @property
     def report(self) -> Mapping[str, object]:
@@ -180,7 +182,7 @@ class Device(device.Device):
 
     def power_on(self) -> None:
         """All is made anew but for the charge that is left at the terminal, and the heat."""
-        former = self.charger
+        former, self.late = self.charger, 0
         self.make_model()
         self.charger.inherit(former)
 
@@ -191,7 +193,8 @@ class Device(device.Device):
 
     def step_unpowered(self, dt: float) -> None:
         """What is left of the charge and of the heat goes."""
-        self.charger.step_unpowered(dt)
+        ticks, self.late = divmod(self.late + round(dt * TO_MILLI), TICK_MS)
+        self.charger.step_unpowered(ticks * TICK)
 
     def reset_node(self) -> None:
         """81h is like power-on, but nothing cools down (A-26)."""
@@ -227,7 +230,8 @@ class Device(device.Device):
 
     def step(self, dt: float) -> None:
         """Let time pass in the charger; a minute that has passed is kept in the hour counters."""
-        self.charger.step(dt)
+        ticks, self.late = divmod(self.late + round(dt * TO_MILLI), TICK_MS)
+        self.charger.step(ticks * TICK)
         minutes = self.charger.hours.operating // MINUTE
         if minutes != self._saved:
             self._saved = minutes

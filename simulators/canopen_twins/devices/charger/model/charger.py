@@ -50,7 +50,7 @@ class Charger:
         surroundings: What is around it when it is switched on.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - what is ordered, kept, read and around
         self,
         build: Build,
         values: Mapping[Parameter, int],
@@ -199,10 +199,13 @@ class Charger:
         """That cause is gone; the message stays until it is cleared."""
         self.messages.unforce(message)
 
-    def spark(self, current: float, rise_time: float = 0.0) -> None:
-        """A spark: the current rises by so many A within so many s; none without high voltage."""
+    def spark(self, current: float, rise_time: float = 0.0, late: int = 0) -> None:
+        """A spark: the current rises by so many A within so many s; none without high voltage.
+
+        It strikes `late` ms after the present tick.
+        """
         if self.charging_active:
-            self.charging.spark(self.now, current, rise_time)
+            self.charging.spark(self.now, current, rise_time, late)
             self._touched = True
 
     def surround(self, **changes: Any) -> None:

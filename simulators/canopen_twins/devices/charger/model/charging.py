@@ -16,7 +16,7 @@ from canopen_twins.devices.charger.model.parameters import (
 )
 from canopen_twins.devices.charger.model.sparks import WINDOW, RandomSparks, Sparks, Storm
 from canopen_twins.devices.charger.model.surroundings import Surroundings
-from canopen_twins.devices.charger.model.ticks import NEVER, TICK, whole_ticks
+from canopen_twins.devices.charger.model.ticks import NEVER, TICK, TICK_MS, whole_ticks
 from canopen_twins.devices.charger.model.types import Quantity, Type
 
 MICRO = 1e-6
@@ -171,7 +171,7 @@ class Charging:
         self._around = surroundings
         demand, load = self._demand(surroundings.analog, power), surroundings.load(self.kind, mode)
         step = self.output.drive(now, ticks, demand, load, before)
-        self._see(now, step / WINDOW)
+        self._see(now * TICK_MS, step / WINDOW)
         self._measure(now, ticks)
         self._expect_spark(now, self.output.voltage)
 
@@ -182,10 +182,10 @@ class Charging:
         self._resistance.clear()
         self._expect_spark(now, 0.0)
 
-    def spark(self, now: int, current: float, rise_time: float) -> None:
-        """The current jumps by so many A within so many s."""
+    def spark(self, now: int, current: float, rise_time: float, late: int = 0) -> None:
+        """The current jumps by so many A within so many s, `late` ms after a tick."""
         duration = max(WINDOW, rise_time)
-        self._see(now, current / duration)
+        self._see(now * TICK_MS + late, current / duration)
         charge = current * duration
         self.output.flash_over(now, current, ceil(duration / TICK), charge / self.kind.capacitance)
 
@@ -207,8 +207,8 @@ class Charging:
             self.calibration.quiet if on and self.calibrating else NEVER,
         )
 
-    def _see(self, now: int, steepness: float) -> None:
-        self.sparks.see(now, steepness, self.parameters, self.maximum_current)
+    def _see(self, moment: int, steepness: float) -> None:
+        self.sparks.see(moment, steepness, self.parameters, self.maximum_current)
 
     def _demand(self, analog: float, power: float) -> Demand:
         values, setpoints = self.parameters, self.setpoints(analog)
