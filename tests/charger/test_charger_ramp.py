@@ -5,7 +5,7 @@ from canopen_twins.devices.charger.model.load import OPEN, SHORT, Resistor
 from canopen_twins.devices.charger.model.output import Ramp
 from canopen_twins.devices.charger.model.parameters import Parameter
 from canopen_twins.devices.charger.model.release import ReleaseSource
-from canopen_twins.devices.charger.model.types import PCMT, PCRT, PCSC
+from canopen_twins.devices.charger.model.types import PCMT, PCRT, PCSC, Mode
 
 
 def microamperes(charger):
@@ -86,15 +86,18 @@ def test_no_change_of_a_set_value_is_faster_than_the_ramp(
     charger = make(kind, mode=mode, ramp_time=2000, **{**given, changed: values[0]})
     switch_on(charger, 4.0)
     output = charger.charging.output
-    before, step = output.voltage, 0.0
+    before, steepest = (output.voltage, output.current), [0.0, 0.0]
     charger.write(Parameter[changed.upper()], values[1])
     for _ in range(400):
-        last = output.voltage
+        last = output.voltage, output.current
         charger.step(0.01)
-        step = max(step, abs(output.voltage - last))
-    whole = max(abs(output.voltage - before), abs(kind.maximum_voltage - before))
-    assert output.voltage != before
-    assert step <= 1.1 * whole / 200
+        steps = abs(output.voltage - last[0]), abs(output.current - last[1])
+        steepest = [max(*both) for both in zip(steepest, steps, strict=True)]
+    whole = max(abs(output.voltage - before[0]), abs(kind.maximum_voltage - before[0]))
+    evenly = steepest[0] <= 1.1 * whole / 200  # in I-Const it is the current that goes evenly
+    evenly_in_current = steepest[1] <= 1.1 * abs(output.current - before[1]) / 200
+    assert output.voltage != before[0]
+    assert evenly or (mode == Mode.I_CONST and evenly_in_current)
 
 
 @pytest.mark.spec("C-157")
