@@ -35,7 +35,7 @@ class Settings(NodeSettings):
     variant: Literal["base", "A", "C"] = setting("base", "what follows the type: nothing, /A or /C")
     variant_policy: Literal["letter", "superset"] = setting(
         "letter",
-        "what a /C has for its discharging: what is printed for it, or all an /A has",
+        "what /A and /C have for their discharging: what is printed, or each all of the other",
         assumed="A-20",
     )
     messages: str = setting(
