@@ -1,3 +1,5 @@
+from itertools import permutations
+
 import pytest
 
 from canopen_twins.devices.charger.model.parameters import Parameter
@@ -37,9 +39,24 @@ def test_percent_follows_the_setpoint_that_governs_and_no_other(charger):
     charger.write(Parameter.CURRENT_SETPOINT, 500)
     assert charger.parameters[Parameter.SETPOINT_PERCENT] == 67
     charger.write(Parameter.MODE, 4)
-    assert charger.parameters[Parameter.SETPOINT_PERCENT] == 67
-    charger.write(Parameter.CURRENT_SETPOINT, 500)
     assert charger.parameters[Parameter.SETPOINT_PERCENT] == 10
+    charger.write(Parameter.VOLTAGE_SETPOINT, 10000)
+    assert charger.parameters[Parameter.SETPOINT_PERCENT] == 10
+
+
+@pytest.mark.spec("C-153", "C-155")
+@pytest.mark.parametrize("order", [*permutations(["setpoint", "limit", "mode"])])
+@pytest.mark.parametrize("mode", [3, 4])
+def test_percent_follows_setpoints_and_limits_in_every_order(charger, order, mode):
+    writes = {
+        "setpoint": {Parameter.VOLTAGE_SETPOINT: 9000, Parameter.CURRENT_SETPOINT: 1200},
+        "limit": {Parameter.VOLTAGE_MAXIMUM: 20000, Parameter.CURRENT_MAXIMUM: 4000},
+        "mode": {Parameter.MODE: mode},
+    }
+    for each in order:
+        for parameter, value in writes[each].items():
+            charger.write(parameter, value)
+    assert charger.parameters[Parameter.SETPOINT_PERCENT] == {3: 45, 4: 30}[mode]
 
 
 @pytest.mark.spec("C-153")

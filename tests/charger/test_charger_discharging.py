@@ -1,5 +1,7 @@
 import pytest
+from charger_bus import put
 
+from canopen_twins import Bench
 from canopen_twins.devices.charger.model.discharging import Bars, Dirt, Discharge
 from canopen_twins.devices.charger.model.load import Web
 from canopen_twins.devices.charger.model.messages import Severity
@@ -208,3 +210,58 @@ def test_a_calibration_that_begins_again_takes_its_minute_again(discharging, aga
     assert discharging.parameters[Parameter.NOMINAL_POWER_1] == 0
     discharging.step(0.01)
     assert discharging.parameters[Parameter.NOMINAL_POWER_1] == 118
+
+
+@pytest.mark.spec("C-198")
+def test_the_reference_point_is_driven_to_whatever_is_set(discharging):
+    discharging.write(Parameter.VOLTAGE_SETPOINT_DISCHARGING, 2000)
+    discharging.write(Parameter.FREQUENCY_DISCHARGING, 8)
+    discharging.step(1.0)
+    assert now(discharging).voltage == 2000
+    discharging.write(Parameter.POLLUTION_DETECTION_DISCHARGING, 1)
+    discharging.step(1.0)
+    assert now(discharging).voltage == 5000
+    assert now(discharging).current == pytest.approx(942e-6, abs=0.5e-6)
+    discharging.step(0.01)
+    assert now(discharging).voltage == 2000
+    discharging.step(598.99)
+    assert now(discharging).voltage == 2000
+    discharging.step(0.01)
+    assert now(discharging).voltage == 5000
+
+
+@pytest.mark.spec("C-198")
+def test_dirt_is_found_at_the_reference_point_and_told_until_the_next(make, active):
+    charger = make(
+        PCSC,
+        Variant.A,
+        superset=True,
+        mode_discharging=1,
+        software_release_discharging=0,
+        voltage_setpoint_discharging=2000,
+        pollution_detection_discharging=1,
+        nominal_power_1=118,
+        nominal_power_2=118,
+    )
+    charger.step(10.0)
+    charger.surround(bars=Bars(power=(1.6, 0.4)))
+    charger.step(589.99)
+    assert charger.dirt == (Dirt.NONE, Dirt.NONE)
+    charger.step(0.02)
+    assert charger.dirt == (Dirt.CONDUCTIVE, Dirt.INSULATING)
+    assert [key for _, key in active(charger)] == [
+        "pollution_discharging_1",
+        "pollution_discharging_2",
+    ]
+    charger.step(30.0)
+    assert charger.dirt == (Dirt.CONDUCTIVE, Dirt.INSULATING)
+
+
+@pytest.mark.spec("C-192", "C-198")
+@pytest.mark.parametrize(("policy", "dirt"), [("letter", 0), ("superset", 1)])
+def test_an_a_shows_what_it_finds_if_both_variants_have_all_of_each_other(policy, dirt):
+    bench = Bench("charger", variant="A", variant_policy=policy)
+    put(bench, {0x22: 1, 0x27: 0, 0x29: 118, 0x2A: 118, 0x28: 1})
+    bench.inject("discharging_pollution", connector=1, percent=200)
+    bench.run(0.1)
+    assert bench.sdo[0x6000][7].raw == dirt

@@ -1,5 +1,6 @@
 import pytest
 
+from canopen_twins import Bench
 from canopen_twins.devices.charger.model.release import ReleaseSource
 from canopen_twins.devices.charger.model.ticks import MINUTE, Hours, duration
 from canopen_twins.devices.charger.model.types import PCSC, Variant
@@ -54,3 +55,16 @@ def test_they_continue_a_former_life(charger):
     charger.hours = Hours(operating=YEAR - MINUTE)
     charger.step(60.0)
     assert duration(charger.hours.operating) == (1, 0, 0, 0)
+
+
+@pytest.mark.spec("C-184", "C-185")
+def test_a_charger_may_have_run_before_it_is_delivered():
+    bench = Bench(
+        "charger", variant="A", operating_hours=8785.5, charging_hours=25, discharging_hours=1
+    )
+    read = [bench.sdo[0x2000][sub].raw for sub in range(1, 13)]
+    assert read == [1, 1, 1, 30, 0, 1, 1, 0, 0, 0, 1, 0]
+    bench.run(60.0)
+    bench.power_off()
+    bench.power_on()
+    assert bench.sdo[0x2000][4].raw == 31

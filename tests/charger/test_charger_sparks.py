@@ -1,8 +1,10 @@
 import pytest
 
+from canopen_twins.devices.charger.model.load import OPEN, SHORT, Resistor
 from canopen_twins.devices.charger.model.parameters import Parameter
 from canopen_twins.devices.charger.model.release import ReleaseSource, ReleaseState
 from canopen_twins.devices.charger.model.sparks import Counter, Counting, Sparks
+from canopen_twins.devices.charger.model.types import TYPES
 
 SE, SW, WE, WW = Counter
 
@@ -61,15 +63,70 @@ def test_a_slow_rise_is_less_steep(running):
 
 
 @pytest.mark.spec("C-173")
-def test_nothing_counts_without_high_voltage_nor_while_a_ramp_runs(charger):
+def test_nothing_counts_without_high_voltage_and_everything_while_a_ramp_runs(charger):
     strike(charger, 0.26)
+    assert counts(charger) == [0, 0, 0, 0]
     charger.write(Parameter.VOLTAGE_SETPOINT, 20000)
     charger.grant(ReleaseSource.CANOPEN)
     strike(charger, 0.26)
-    assert counts(charger) == [0, 0, 0, 0]
-    charger.step(1.0)
-    strike(charger, 0.26)
     assert counts(charger) == [1, 0, 0, 0]
+
+
+@pytest.mark.spec("C-173", "C-174")
+def test_a_master_that_trims_all_the_time_does_not_blind_the_detector(running, active):
+    for trim in range(10):
+        running.write(Parameter.VOLTAGE_SETPOINT, 20001 + trim)
+        strike(running, 0.26)
+        running.step(0.15)
+    assert counts(running) == [10, 0, 0, 0]
+    assert active(running) == [("ERROR", "strong_sparks")]
+
+
+@pytest.mark.spec("C-173")
+@pytest.mark.parametrize("kind", TYPES.values(), ids=lambda kind: kind.name)
+@pytest.mark.parametrize("mode", [0, 1])
+def test_what_a_ramp_makes_of_the_current_is_no_spark(make, switch_on, kind, mode):
+    charger = make(
+        kind,
+        ramp_time=100,
+        mode=kind.lowest_mode + mode,
+        voltage_setpoint=kind.maximum_voltage,
+        current_setpoint=kind.maximum_current,
+        weak_sparks=10,
+        limiter_warning=0,
+    )
+    switch_on(charger)
+    charger.write(Parameter.CURRENT_SETPOINT, kind.minimum_current)
+    charger.step(0.5)
+    charger.write(Parameter.CURRENT_SETPOINT, kind.maximum_current)
+    charger.step(0.5)
+    if mode:
+        charger.write(Parameter.MODE, kind.lowest_mode)
+        charger.step(0.5)
+    assert charger.charging.output.power > 0.5 * kind.power
+    assert counts(charger) == [0, 0, 0, 0]
+
+
+@pytest.mark.spec("C-173")
+@pytest.mark.parametrize(
+    ("electrode", "counted"),
+    [
+        (SHORT, [1, 0, 0, 0]),  # 2000 to 5000 uA
+        (Resistor(20e3 / 4444e-6), [1, 0, 0, 0]),  # 2444 uA in 8 ms are 0.3055 mA/ms
+        (Resistor(20e3 / 3700e-6), [0, 1, 0, 0]),  # 0.2125 mA/ms
+        (Resistor(20e3 / 3400e-6), [0, 0, 1, 0]),  # 0.175 mA/ms
+        (Resistor(20e3 / 3100e-6), [0, 0, 0, 1]),  # 0.1375 mA/ms
+        (Resistor(20e3 / 2900e-6), [0, 0, 0, 0]),
+        (OPEN, [0, 0, 0, 0]),  # less is no spark
+    ],
+)
+@pytest.mark.parametrize("ramping", [False, True])
+def test_a_load_that_takes_more_all_of_a_sudden_is_a_spark(running, electrode, counted, ramping):
+    if ramping:
+        running.write(Parameter.VOLTAGE_SETPOINT, 20001)
+    running.surround(electrode=electrode)
+    running.step(1.0)
+    assert counts(running) == counted
 
 
 def test_a_counted_spark_blinds_the_detector_for_20_ms(running):
@@ -173,3 +230,13 @@ def test_a_slow_spark_shows_for_its_rise_time(running):
     assert running.charging.output.current == pytest.approx(before + 1e-6)
     running.step(0.01)
     assert running.charging.output.current == before
+
+
+@pytest.mark.parametrize(("gap", "counted"), [(0.011, 1), (0.019, 1), (0.02, 2)])
+@pytest.mark.parametrize("phase", [0.0, 0.003, 0.009])
+def test_the_dead_time_is_20_ms_wherever_in_a_tick_a_spark_strikes(on, phase, gap, counted):
+    on.run(phase)
+    on.inject("spark", slope=0.26)
+    on.run(gap)
+    on.inject("spark", slope=0.26)
+    assert on.sdo[0x2001][0x08].raw == counted

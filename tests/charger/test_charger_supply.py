@@ -1,5 +1,6 @@
 import pytest
 
+from canopen_twins import Bench
 from canopen_twins.devices.charger.model.surroundings import feed
 from canopen_twins.devices.charger.model.thermal import Temperature
 
@@ -70,3 +71,22 @@ def test_between_two_whole_degrees_nothing_is_promised_that_does_not_hold(power,
         assert len(shown) == 1
         now += quiet
     assert len({int(sensor.at(tick)) for tick in range(now, now + 1000)}) == 1
+
+
+def test_it_is_as_warm_as_the_air_when_it_starts():
+    bench = Bench("charger", ambient=40)
+    assert [bench.sdo[0x2001][sub].raw for sub in (5, 6, 7)] == [40, 40, 40]
+
+
+def test_heat_outlives_the_supply_and_cools_down_meanwhile(on):
+    on.run(3600.0)
+    hot = on.sdo[0x2001][5].raw
+    on.power_off()
+    on.run(60.0)
+    on.power_on()
+    warm = on.sdo[0x2001][5].raw
+    on.power_off()
+    on.run(36000.0)
+    on.power_on()
+    assert hot > warm > 25
+    assert on.sdo[0x2001][5].raw == 25

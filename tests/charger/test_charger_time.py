@@ -1,15 +1,16 @@
 from math import floor
+from time import perf_counter
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from canopen_twins import Bench
 from canopen_twins.devices.charger.model.charger import Charger
 from canopen_twins.devices.charger.model.load import SHORT
 from canopen_twins.devices.charger.model.parameters import Parameter
 from canopen_twins.devices.charger.model.release import ReleaseSource
 from canopen_twins.devices.charger.model.sparks import Storm
-from canopen_twins.devices.charger.model.ticks import duration
 from canopen_twins.devices.charger.model.types import PCSC, Build, Variant
 from canopen_twins.devices.charger.object_table import factory
 
@@ -52,7 +53,6 @@ def shown(charger):
         "power": (charger.derating.charging, charger.derating.discharging),
         "supply": charger.supply,
         "degrees": {k: floor(v) for k, v in charger.heating.at(charger.now).items()},
-        "hours": [duration(ticks) for ticks in vars(charger.hours).values()],
         "messages": list(charger.messages.active),
         "parameters": {name: charger.parameters[name] for name in Parameter},
     }
@@ -103,11 +103,14 @@ def test_a_step_is_a_whole_number_of_10_ms(charger, seconds):
         charger.step(seconds)
 
 
-def test_a_charger_with_nothing_to_do_rests_until_its_next_minute(charger):
-    charger.step(3600.0)
-    assert charger.rest == 60.0
-    charger.step(1.0)
-    assert charger.rest == 59.0
+@pytest.mark.parametrize("variant", ["base", "A", "C"])
+def test_an_idle_year_is_a_few_hours_of_its_memory_and_nothing_else(variant):
+    bench = Bench("charger", variant=variant)
+    bench.sdo[0x1017].raw = 0
+    began = perf_counter()
+    assert bench.run(365 * 86400.0) == []
+    assert perf_counter() - began < 5
+    assert [bench.sdo[0x2000][sub].raw for sub in (1, 2, 3, 4)] == [1, 0, 0, 0]
 
 
 def test_a_charger_at_work_comes_to_rest(running):

@@ -1,5 +1,7 @@
 import pytest
+from charger_bus import put, status
 
+from canopen_twins import Bench
 from canopen_twins.devices.charger.model.parameters import Parameter
 from canopen_twins.devices.charger.model.release import Release, ReleaseSource
 
@@ -41,13 +43,26 @@ def test_no_timeout_no_end(charger):
     assert charger.release.software
 
 
-@pytest.mark.spec("C-141")
+@pytest.mark.spec("C-139")
 @pytest.mark.parametrize("source", SOURCES)
-def test_the_timeout_concerns_a_release_by_a_bus_alone(source):
+def test_the_timeout_ends_every_release(source):
     release = Release()
     release.set(source, now=0)
     release.expire(now=1000, timeout=500)
-    assert release.software is (source in OTHERS)
+    assert not release.software
+
+
+@pytest.mark.spec("C-139")
+@pytest.mark.parametrize(("reading", "held"), [("every", False), ("bus", True)])
+def test_a_setting_lets_it_end_those_of_a_bus_alone(reading, held):
+    bench = Bench("charger", release_timeout=reading)
+    put(bench, {0x02: 0x0C, 0x04: 500})
+    bench.inject("hmi_on")
+    bench.run(1.0)
+    assert bool(status(bench) & 1 << 5) is held
+    bench.sdo[0x6200][1].raw = 0x0F
+    bench.run(1.0)
+    assert status(bench) == 0
 
 
 @pytest.mark.spec("C-141")

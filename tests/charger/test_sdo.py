@@ -118,16 +118,23 @@ def test_every_refusal_has_its_code_and_changes_nothing(bench, request_, code):
 
 @pytest.mark.spec("C-078")
 @pytest.mark.parametrize("target", ["021116", "081000", "001000", "FF2F00"])
-@pytest.mark.parametrize("command", ["20", "21", "00", "10", "60", "70", "A0", "A4", "C0", "C2"])
-def test_segments_and_blocks_are_no_commands(bench, command, target):
+@pytest.mark.parametrize("command", ["20", "21", "A0", "A4", "C0", "C2"])
+def test_segmented_and_block_transfers_are_not_opened(bench, command, target):
     frame = f"663#{command}{target}07000000"
     assert bench.send(frame) == [f"5E3#80{target}01000405"]
+
+
+@pytest.mark.spec("C-078", "A-27")
+@pytest.mark.parametrize("command", ["00", "10", "60", "70", "A1", "A3", "C1", "E0"])
+def test_a_segment_of_no_transfer_and_an_unknown_command_are_about_no_object(bench, command):
+    frame = f"663#{command}02111607000000"
+    assert bench.send(frame) == ["5E3#8000000001000405"]
 
 
 @pytest.mark.spec("C-078")
 def test_nothing_is_open_after_a_refused_transfer(bench):
     bench.send("663#2108100004000000")
-    assert bench.send("663#0041414141414141") == ["5E3#8041414101000405"]
+    assert bench.send("663#0041414141414141") == ["5E3#8000000001000405"]
     assert ask(bench, 0x1000) == ["5E3#4300100091010000"]
     assert bench.run(30.0) == ["763#7F"] * 30
 

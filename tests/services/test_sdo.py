@@ -192,8 +192,6 @@ def test_literal_commands_are_known_all_the_same(bench_of, command):
         ("4008100000000000", Abort.NOT_TRANSFERABLE),  # a text of 19
         ("2105200007000000", Abort.COMMAND),
         ("2005200000000000", Abort.COMMAND),
-        ("0005200000000000", Abort.COMMAND),
-        ("6005200000000000", Abort.COMMAND),
         ("2100100008000000", Abort.COMMAND),  # read only, and too long: the command comes first
         ("2100990001000000", Abort.COMMAND),  # no such object
     ],
@@ -201,6 +199,12 @@ def test_literal_commands_are_known_all_the_same(bench_of, command):
 def test_without_segmented_transfer_it_is_refused_with_the_object(bench_of, request_, code):
     bench = bench_of(segmented=False)
     assert bench.send(f"605#{request_}") == [abort(request_[2:8], code)]
+
+
+@pytest.mark.parametrize("command", ["00", "60"])
+def test_without_segmented_transfer_a_segment_belongs_to_no_object(bench_of, command):
+    bench = bench_of(segmented=False)
+    assert bench.send(f"605#{command}05200000000000") == [abort("000000", Abort.COMMAND)]
 
 
 @pytest.mark.spec("T-036")

@@ -169,8 +169,11 @@ class SdoServer(Service):
 
     def _meant(self, data: bytes) -> bytes:
         """The multiplexer of the object that an unknown command belongs to."""
-        if data[0] in sdo.BLOCK_INITIATES or not self.slave.profile.segmented:
-            return data[1:4]  # without segments only an initiate can be meant
+        profile = self.slave.profile
+        if data[0] in (sdo.BLOCK_INITIATES if profile.segmented else sdo.INITIATES):
+            return data[1:4]
+        if profile.literal_commands and not profile.segmented:
+            return data[1:4]  # a command is all it can mean
         return sdo.NO_OBJECT if self._transfer is None else self._named
 
     def _watch(self) -> None:

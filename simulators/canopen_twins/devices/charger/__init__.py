@@ -26,11 +26,18 @@ from canopen_twins.devices.charger.faults import faults
 from canopen_twins.devices.charger.model.charger import Charger
 from canopen_twins.devices.charger.model.parameters import Parameter
 from canopen_twins.devices.charger.model.surroundings import Surroundings
-from canopen_twins.devices.charger.model.ticks import MINUTE, TICK
+from canopen_twins.devices.charger.model.ticks import MINUTE, TICK, TICK_MS
 from canopen_twins.devices.charger.model.types import Mode
 from canopen_twins.devices.charger.object_table import addresses, factory, file_name
 from canopen_twins.devices.charger.objects import Control, actual_values
-from canopen_twins.devices.charger.settings import Settings, build, detector, undisturbed
+from canopen_twins.devices.charger.settings import (
+    Settings,
+    build,
+    detector,
+    hours,
+    timed,
+    undisturbed,
+)
 from canopen_twins.devices.charger.storage import Storage
 from canopen_twins.slave.dictionary import dictionary
 from canopen_twins.slave.lss import LssSlave
@@ -39,7 +46,8 @@ log = logging.getLogger(__name__)
 
 LED_BAR = (0x2002, 0x1D)
 FACTORY_BIT_TIMING = 4  # 2002h:07h
-TO_MICRO = 1e6
+TO_MILLI, TO_MICRO = 1e3, 1e6
+LONGEST_REST = 3600.0  # s (A-79)
 
 
 class Device(device.Device):
@@ -49,7 +57,9 @@ class Device(device.Device):
     title = "Eltex POWER CHARGER high-voltage generator (CANopen protocol description)"
     settings = Settings()
     stored = (HEARTBEAT, CYCLE, LED_BAR)
-    cycle = TICK
+    cycle = 0.001  # finer than a tick, for the dead time of the spark detector
+    late = 0
+    """Milliseconds since the last tick of the charger."""
 
     def configure(self, **given: object) -> None:
         """Change settings while the supply is off; what surrounds it is as delivered."""
@@ -102,8 +112,8 @@ class Device(device.Device):
 
     @property
     def rest(self) -> float:
-        """Nothing moves in a charger that has settled."""
-        return self.charger.rest
+        """Nothing moves in a charger that has settled; its hour counters want to be kept."""
+        return min(max(self.charger.rest, TICK), LONGEST_REST) - self.late / TO_MILLI
 
     @property
     def report(self) -> Mapping[str, object]:
@@ -116,7 +126,7 @@ class Device(device.Device):
             "voltage [V]": round(output.voltage),
             "current [uA]": round(output.current * TO_MICRO),
             "power [W]": round(output.power, 1),
-            "limited by": output.limiter.value if output.limiter else "nothing",
+            "limited by": charger.limiter.value if charger.limiter else "nothing",
             "discharging [V]": round(discharge.voltage),
             "supply [V]": round(charger.supply.voltage, 2),
             "sparks": [*charger.charging.sparks.counts.values()],
@@ -159,8 +169,15 @@ class Device(device.Device):
         self._factory = factory(self.build.kind)
         self._find_place()
         values = self.storage.parameters(self._factory)
-        self.charger = Charger(self.build, values, self.catalogue, detector(self.settings))
-        self.charger.hours = self.storage.hours()
+        self.charger = Charger(
+            self.build,
+            values,
+            self.catalogue,
+            detector(self.settings),
+            timed=timed(self.settings),
+            surroundings=undisturbed(self.settings),
+        )
+        self.charger.hours = self.storage.hours(hours(self.settings))
         self._saved = self.charger.hours.operating // MINUTE
         self.control = Control(self.charger)
         self.apply()
@@ -168,9 +185,21 @@ class Device(device.Device):
             name = severity.name.lower()
             log.warning("%s %r has no message in the catalogue", name, key)
 
+    def power_on(self) -> None:
+        """All is made anew but for the charge that is left at the terminal, and the heat."""
+        former, self.late = self.charger, 0
+        self.make_model()
+        self.charger.inherit(former)
+
     def power_off(self) -> None:
         """The hour counters survive."""
         self.storage.save_hours(self.charger.hours)
+        self.charger.switch_off()
+
+    def step_unpowered(self, dt: float) -> None:
+        """What is left of the charge and of the heat goes."""
+        ticks, self.late = divmod(self.late + round(dt * TO_MILLI), TICK_MS)
+        self.charger.step_unpowered(ticks * TICK)
 
     def reset_node(self) -> None:
         """81h is like power-on, but nothing cools down (A-26)."""
@@ -205,8 +234,9 @@ class Device(device.Device):
             self.charger.surround(**changes)
 
     def step(self, dt: float) -> None:
-        """Let time pass in the charger; its hour counters are kept by the minute."""
-        self.charger.step(dt)
+        """Let time pass in the charger; a minute that has passed is kept in the hour counters."""
+        ticks, self.late = divmod(self.late + round(dt * TO_MILLI), TICK_MS)
+        self.charger.step(ticks * TICK)
         minutes = self.charger.hours.operating // MINUTE
         if minutes != self._saved:
             self._saved = minutes

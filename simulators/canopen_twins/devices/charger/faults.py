@@ -217,7 +217,7 @@ def _spark(device: Device, slope: float, rise_time: float) -> None:
     if rise_time < 0 or slope < 0:
         raise UserError("a spark has a slope and a rise time of 0 or more")
     duration = rise_time * MILLI
-    device.charger.spark(slope * max(WINDOW, duration), duration)  # mA/ms is A/s
+    device.charger.spark(slope * max(WINDOW, duration), duration, device.late)  # mA/ms is A/s
 
 
 def _operate(device: Device, key: Key, at: str) -> None:

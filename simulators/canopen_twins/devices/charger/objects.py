@@ -224,7 +224,7 @@ def _measured(charger: Charger) -> dict[int, Read]:
     output = charger.charging.output
 
     def mode() -> int:
-        limiter = LIMITER_BIT[output.limiter] if output.limiter else 0
+        limiter = LIMITER_BIT[charger.limiter] if charger.limiter else 0
         return charger.parameters[Parameter.MODE] | limiter
 
     return {

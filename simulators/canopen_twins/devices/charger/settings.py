@@ -9,14 +9,17 @@ from typing import Literal
 from canopen_twins.device import NodeSettings, setting
 from canopen_twins.devices.charger.model.discharging import Bars
 from canopen_twins.devices.charger.model.load import Electrode, Resistor, Web
+from canopen_twins.devices.charger.model.release import BUS, EVERY, ReleaseSource
 from canopen_twins.devices.charger.model.sparks import Counting, Sparks, SparkValue
 from canopen_twins.devices.charger.model.surroundings import Surroundings
+from canopen_twins.devices.charger.model.ticks import MINUTE, Hours
 from canopen_twins.devices.charger.model.types import TYPES, Build, Variant
 from canopen_twins.errors import UserError
 from canopen_twins.files.convert import convert
 
 UNSIGNED32 = 0xFFFF_FFFF
 MICRO = 1e-6
+HOUR = 60 * MINUTE
 
 
 @dataclass(frozen=True)
@@ -32,7 +35,7 @@ class Settings(NodeSettings):
     variant: Literal["base", "A", "C"] = setting("base", "what follows the type: nothing, /A or /C")
     variant_policy: Literal["letter", "superset"] = setting(
         "letter",
-        "what a /C has for its discharging: what is printed for it, or all an /A has",
+        "what /A and /C have for their discharging: what is printed, or each all of the other",
         assumed="A-20",
     )
     messages: str = setting(
@@ -65,7 +68,32 @@ class Settings(NodeSettings):
         assumed="A-77",
     )
 
+    holding_time: float = setting(
+        30.0,
+        "time constant with which an open terminal loses its charge",
+        unit="s",
+        assumed="A-80",
+        live=True,
+        low=0.01,
+    )
+
+    # what it has behind it
+    operating_hours: float = setting(
+        0.0, "0x2000:01 to 04 as delivered; stored ones win", unit="h", low=0
+    )
+    charging_hours: float = setting(
+        0.0, "0x2000:05 to 08 as delivered; stored ones win", unit="h", low=0
+    )
+    discharging_hours: float = setting(
+        0.0, "0x2000:09 to 0C as delivered; stored ones win", unit="h", low=0
+    )
+
     # what the manual leaves open
+    release_timeout: Literal["every", "bus"] = setting(
+        "every",
+        "the releases that 0x2002:04 ends: every one, or those that a bus has given",
+        assumed="A-42",
+    )
     heartbeat_default_ms: int = setting(
         1000, "0x1017 as delivered", unit="ms", assumed="A-01", low=0, high=60_000
     )
@@ -103,6 +131,17 @@ def detector(settings: Settings) -> Sparks:
     return Sparks(Counting(settings.spark_classes), SparkValue[settings.spark_value.upper()])
 
 
+def timed(settings: Settings) -> ReleaseSource:
+    """The sources whose releases the timeout ends (A-42)."""
+    return BUS if settings.release_timeout == "bus" else EVERY
+
+
+def hours(settings: Settings) -> Hours:
+    """What the hour counters show of a charger that has been used before."""
+    given = settings.operating_hours, settings.charging_hours, settings.discharging_hours
+    return Hours(*(round(each * HOUR) for each in given))
+
+
 def undisturbed(settings: Settings) -> Surroundings:
     """What is around a charger when nothing is wrong.
 
@@ -114,6 +153,7 @@ def undisturbed(settings: Settings) -> Surroundings:
         electrode=electrode(settings.load),
         web=Web(settings.web_width, settings.web_speed, settings.web_charge * MICRO),
         bars=Bars(settings.bars),
+        holding_time=settings.holding_time,
     )
 
 

@@ -53,9 +53,9 @@ class Storage:
         """Raises OSError if the memory cannot be written."""
         self._memory.store(NETWORK, place._asdict())
 
-    def hours(self) -> Hours:
-        """The hour counters as they were when the supply went."""
-        return Hours(**self._recall(HOURS, asdict(Hours()), lambda v: min(v.values()) >= 0))
+    def hours(self, delivered: Hours) -> Hours:
+        """The hour counters as they were when the supply went, or as `delivered`."""
+        return Hours(**self._recall(HOURS, asdict(delivered), lambda v: min(v.values()) >= 0))
 
     def save_hours(self, hours: Hours) -> None:
         """A memory that fails loses them: nobody has asked who could be told."""

@@ -16,12 +16,12 @@ from canopen_twins.devices.charger.model.messages import (
     Situation,
 )
 from canopen_twins.devices.charger.model.parameters import Parameter, Parameters
-from canopen_twins.devices.charger.model.release import Release, ReleaseSource, ReleaseState
+from canopen_twins.devices.charger.model.release import EVERY, Release, ReleaseSource, ReleaseState
 from canopen_twins.devices.charger.model.sparks import Sparks
 from canopen_twins.devices.charger.model.surroundings import Feed, Surroundings, feed
 from canopen_twins.devices.charger.model.thermal import Derating, Heating, losses
 from canopen_twins.devices.charger.model.ticks import TICK, Hours, whole_ticks
-from canopen_twins.devices.charger.model.types import Build, Variant
+from canopen_twins.devices.charger.model.types import Build, Quantity, Variant
 
 # /C has no entries for the settings of its discharging: by the letter it just works (A-20).
 FIXED_IN_C = {
@@ -46,23 +46,28 @@ class Charger:
         values: Every parameter, as stored or as the factory sets it.
         catalogue: The messages that can be reported.
         sparks: The detector, where another reading of the manual is wanted (A-56, A-57).
+        timed: The sources whose releases the timeout ends (A-42).
+        surroundings: What is around it when it is switched on.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - what is ordered, kept, read and around
         self,
         build: Build,
         values: Mapping[Parameter, int],
         catalogue: Catalogue,
         sparks: Sparks | None = None,
+        *,
+        timed: ReleaseSource = EVERY,
+        surroundings: Surroundings | None = None,
     ) -> None:
         self.build = build
         self.parameters = Parameters(build.kind, values)
         self.now = 0  # ticks
-        self.surroundings = Surroundings()
-        self.release = Release()
+        self.surroundings = surroundings or Surroundings()
+        self.release = Release(timed)
         self.charging = Charging(build.kind, self.parameters, sparks or Sparks())
         self.discharging = Discharging(build.kind, self.parameters)
-        self.heating = Heating(discharging=build.discharges)
+        self.heating = Heating(self.surroundings.ambient, discharging=build.discharges)
         self.derating = Derating(build.kind)
         self.messages = Messages(catalogue)
         self.hours = Hours()
@@ -75,6 +80,11 @@ class Charger:
     def charging_active(self) -> bool:
         """High voltage at the charging terminal, from the start of the ramp (A-44)."""
         return self.release.state is ReleaseState.ON
+
+    @property
+    def limiter(self) -> Quantity | None:
+        """What limits the charging (6401h:04h); it falls with the high voltage."""
+        return self.charging.output.limiter if self.charging_active else None
 
     @property
     def discharging_active(self) -> bool:
@@ -117,7 +127,7 @@ class Charger:
             sparks_limit=values[Parameter.SPARKS_LIMIT],
             voltage=output.voltage,
             regulator=output.regulator,
-            limiter=None if output.ramping(self.now) else output.limiter,
+            limiter=self.limiter,
             limiter_warning=values[Parameter.LIMITER_WARNING] == 1,
             pollution=self.charging.pollution,
             dirt=self.dirt,
@@ -189,10 +199,13 @@ class Charger:
         """That cause is gone; the message stays until it is cleared."""
         self.messages.unforce(message)
 
-    def spark(self, current: float, rise_time: float = 0.0) -> None:
-        """A spark: the current rises by so many A within so many s; none without high voltage."""
+    def spark(self, current: float, rise_time: float = 0.0, late: int = 0) -> None:
+        """A spark: the current rises by so many A within so many s; none without high voltage.
+
+        It strikes `late` ms after the present tick.
+        """
         if self.charging_active:
-            self.charging.spark(self.now, current, rise_time)
+            self.charging.spark(self.now, current, rise_time, late)
             self._touched = True
 
     def surround(self, **changes: Any) -> None:
@@ -201,11 +214,38 @@ class Charger:
         self.release.contact(self.surroundings.hardware_release)
         if "storm" in changes:
             self.charging.expect(self.surroundings.storm)
+        self._warm()
         self._touched = True
+
+    def inherit(self, former: "Charger") -> None:
+        """What outlives the supply goes on: the charge at the terminal, and the heat."""
+        self.charging.output.hold(former.charging.output.voltage)
+        self.heating.inherit(former.heating.at(former.now), self.now)
+
+    def switch_off(self) -> None:
+        """The supply goes, and with it what it feeds."""
+        self.release.restart()
+        self.charging.idle(self.now, 0, self.surroundings)
+        self.discharging.idle(self.surroundings.web)
+        self._cool()
+
+    def step_unpowered(self, dt: float) -> None:
+        """Let `dt` seconds, whole ticks, pass without supply: it cools, and the load drains it."""
+        ticks = whole_ticks(dt)
+        self.now += ticks
+        self.charging.idle(self.now, ticks, self.surroundings)
+        self._cool()
+
+    def _cool(self) -> None:
+        none = losses(0.0, 0.0, 0.0)
+        self.heating.lead(self.now, none, self.surroundings.ambient, self.surroundings.heat)
 
     @property
     def rest(self) -> float:
-        """Seconds until the next thing happens by itself; 0 while something moves."""
+        """Seconds until the next thing happens by itself; 0 while something moves.
+
+        The hour counters run meanwhile.
+        """
         quiet = self._quiet
         return quiet * TICK if quiet > 1 else 0.0
 
@@ -234,9 +274,8 @@ class Charger:
             self.charging.quiet(now, charging),
             self.discharging.quiet(discharging),
             self.heating.quiet(now),
-            self.derating.quiet(now, self.heating.at(now), self.supply.voltage),
+            self.derating.quiet(now, self.heating.at(now)),
             self.messages.quiet(now),
-            self.hours.quiet(charging, discharging),
         )
 
     def _advance(self, ticks: int) -> None:
@@ -264,7 +303,7 @@ class Charger:
         if self.charging_active:
             self.charging.drive(self.now, ticks, around, self.derating.charging)
         else:
-            self.charging.idle(self.now, ticks)
+            self.charging.idle(self.now, ticks, around)
         if self.discharging_active:
             self.discharging.drive(ticks, around.bars, around.web, self.derating.discharging)
         elif self.build.discharges:
@@ -275,7 +314,7 @@ class Charger:
         delivered = self.charging.output.power, self.discharging.now.power
         lost = losses(supply.power, *delivered)
         self.heating.lead(self.now, lost, around.ambient, around.heat)
-        self.derating.review(self.now, self.heating.at(self.now), supply.voltage)
+        self.derating.review(self.now, self.heating.at(self.now), supply.voltage, around.heat)
 
     def _react(self) -> None:
         """An error that trips switches off and blocks until it is cleared (A-48)."""

@@ -16,7 +16,7 @@ from canopen_twins.devices.charger.model.parameters import (
 )
 from canopen_twins.devices.charger.model.sparks import WINDOW, RandomSparks, Sparks, Storm
 from canopen_twins.devices.charger.model.surroundings import Surroundings
-from canopen_twins.devices.charger.model.ticks import NEVER, TICK, whole_ticks
+from canopen_twins.devices.charger.model.ticks import NEVER, TICK, TICK_MS, whole_ticks
 from canopen_twins.devices.charger.model.types import Quantity, Type
 
 MICRO = 1e-6
@@ -111,10 +111,14 @@ class Charging:
     kind: Type
     parameters: Parameters
     sparks: Sparks
-    output: Output = field(default_factory=Output, init=False)
+    output: Output = field(init=False)
     calibration: Calibration = field(default_factory=Calibration, init=False)
     _resistance: Resistance = field(default_factory=Resistance, init=False)
     _random: RandomSparks | None = field(default=None, init=False)
+    _around: Surroundings | None = field(default=None, init=False)  # none while it is off
+
+    def __post_init__(self) -> None:
+        self.output = Output(self.kind.capacitance)
 
     @property
     def maximum_current(self) -> float:
@@ -160,22 +164,28 @@ class Charging:
 
     def drive(self, now: int, ticks: int, surroundings: Surroundings, power: float) -> None:
         """Let `ticks` pass up to `now` with high voltage on, at `power` W at most."""
-        load = surroundings.load(self.kind, self.parameters[Parameter.MODE])
-        self.output.drive(now, ticks, self._demand(surroundings.analog, power), load)
+        mode = self.parameters[Parameter.MODE]
+        before = None
+        if self._around is not None and self._around is not surroundings:
+            before = self._around.load(self.kind, mode)
+        self._around = surroundings
+        demand, load = self._demand(surroundings.analog, power), surroundings.load(self.kind, mode)
+        step = self.output.drive(now, ticks, demand, load, before)
+        self._see(now * TICK_MS, step / WINDOW)
         self._measure(now, ticks)
         self._expect_spark(now, self.output.voltage)
 
-    def idle(self, now: int, ticks: int) -> None:
+    def idle(self, now: int, ticks: int, surroundings: Surroundings) -> None:
         """Let `ticks` pass up to `now` with high voltage off."""
-        self.output.decay(ticks)
+        self._around = None
+        self.output.decay(ticks, surroundings.load(self.kind, self.parameters[Parameter.MODE]))
         self._resistance.clear()
         self._expect_spark(now, 0.0)
 
-    def spark(self, now: int, current: float, rise_time: float) -> None:
-        """The current jumps by so many A within so many s; counted unless a ramp runs."""
+    def spark(self, now: int, current: float, rise_time: float, late: int = 0) -> None:
+        """The current jumps by so many A within so many s, `late` ms after a tick."""
         duration = max(WINDOW, rise_time)
-        if not self.output.ramping(now):
-            self.sparks.see(now, current / duration, self.parameters, self.maximum_current)
+        self._see(now * TICK_MS + late, current / duration)
         charge = current * duration
         self.output.flash_over(now, current, ceil(duration / TICK), charge / self.kind.capacitance)
 
@@ -196,6 +206,9 @@ class Charging:
             self._random.quiet(now) if self._random else NEVER,
             self.calibration.quiet if on and self.calibrating else NEVER,
         )
+
+    def _see(self, moment: int, steepness: float) -> None:
+        self.sparks.see(moment, steepness, self.parameters, self.maximum_current)
 
     def _demand(self, analog: float, power: float) -> Demand:
         values, setpoints = self.parameters, self.setpoints(analog)

@@ -9,6 +9,7 @@ from canopen_twins.devices.charger.model.load import Web
 from canopen_twins.devices.charger.model.parameters import (
     CALIBRATING,
     MONITORING,
+    OFF,
     Parameter,
     Parameters,
 )
@@ -22,6 +23,8 @@ PASSIVE_SHARE = 0.3  # of the charge that a bar without voltage takes off
 ADJUSTMENT_SHARE = 0.05  # of the alternating current, as direct current at 100 % of 2002h:25h
 CONDUCTIVE_ABOVE, INSULATING_BELOW = 1.5, 0.5  # of the nominal power (A-70)
 CALIBRATION = whole_ticks(60.0)  # A-70
+APPROACH = whole_ticks(1.0)  # at the reference point, so often (A-81)
+BETWEEN = whole_ticks(600.0)
 HIGHEST_NOMINAL = 1000  # mW, the high limit of 2002h:29h
 SERIES_WITH_DETECTION = ("R60", "R60L")  # 2002h:28h
 
@@ -64,27 +67,47 @@ def passive(web: Web) -> Discharge:
     return Discharge(direct_current=-PASSIVE_SHARE * _brought(web))
 
 
-def active(
-    parameters: Parameters, kind: Type, power_setpoint: float, web: Web, bars: Bars
+class OperatingPoint(NamedTuple):
+    """What is asked of the stage."""
+
+    voltage: float  # V rms
+    frequency: float  # Hz
+
+
+def reference_point(kind: Type) -> OperatingPoint:
+    """Highest voltage and lowest frequency, whatever is set (2002h:28h, A-81)."""
+    return OperatingPoint(float(kind.maximum_voltage_discharging), FREQUENCIES[0])
+
+
+def set_point(parameters: Parameters) -> OperatingPoint:
+    """As 2002h:1Eh and 26h have it."""
+    return OperatingPoint(
+        float(parameters[Parameter.VOLTAGE_SETPOINT_DISCHARGING]),
+        FREQUENCIES[parameters[Parameter.FREQUENCY_DISCHARGING]],
+    )
+
+
+def active(  # noqa: PLR0913 - everything that acts on the output
+    wanted: OperatingPoint,
+    adjustment: int,
+    kind: Type,
+    power_setpoint: float,
+    *,
+    web: Web,
+    bars: Bars,
 ) -> Discharge:
-    """The setpoint, unless the current or the power (W) allow less."""
-    conductance = _conductance(FREQUENCIES[parameters[Parameter.FREQUENCY_DISCHARGING]])
-    wanted = float(parameters[Parameter.VOLTAGE_SETPOINT_DISCHARGING])
+    """What is wanted, unless the current or the power (W) allow less; `adjustment` in %."""
+    conductance = _conductance(wanted.frequency)
     allowed = min(
         kind.current_discharging * 1e-6 / conductance,
         sqrt(power_setpoint / (ACTIVE_SHARE * conductance)),
     )
-    voltage = min(wanted, allowed)
+    voltage = min(wanted.voltage, allowed)
     current = voltage * conductance
-    offset = parameters[Parameter.ADJUSTMENT_DISCHARGING] / 100 * ADJUSTMENT_SHARE * current
+    offset = adjustment / 100 * ADJUSTMENT_SHARE * current
     powers = _powers(voltage, current, bars)
-    return Discharge(voltage, current, offset - _brought(web), powers, allowed < wanted)
-
-
-def at_reference_point(kind: Type, bars: Bars) -> tuple[float, float]:
-    """Power of each connector (W) at highest voltage and lowest frequency, whatever is set."""
-    voltage = float(kind.maximum_voltage_discharging)
-    return _powers(voltage, voltage * _conductance(FREQUENCIES[0]), bars)
+    limited = allowed < wanted.voltage
+    return Discharge(voltage, current, offset - _brought(web), powers, limited)
 
 
 def found(power: float, nominal: int) -> Dirt:
@@ -119,38 +142,63 @@ class Discharging:
     now: Discharge = field(default_factory=Discharge, init=False)
     dirt: tuple[Dirt, Dirt] = field(default=CLEAN, init=False)
     _calibrated: int = field(default=0, init=False)  # ticks
+    _elapsed: int = field(default=0, init=False)  # ticks since the bars are watched
+
+    @property
+    def _detection(self) -> int:
+        return self.parameters[Parameter.POLLUTION_DETECTION_DISCHARGING]
 
     def drive(self, ticks: int, bars: Bars, web: Web, power: float) -> None:
         """Let time pass with the stage on, at `power` W at most."""
-        self.now = active(self.parameters, self.kind, power, web, bars)
-        self._watch(ticks, bars)
+        watched = bars.series in SERIES_WITH_DETECTION and self._detection != OFF
+        self._elapsed = self._elapsed + ticks if watched else 0
+        wanted, reference = set_point(self.parameters), reference_point(self.kind)
+        if watched and (self._detection == CALIBRATING or self._approaches):
+            wanted = reference
+        adjustment = self.parameters[Parameter.ADJUSTMENT_DISCHARGING]
+        self.now = active(wanted, adjustment, self.kind, power, web=web, bars=bars)
+        if not watched:
+            self.dirt = CLEAN
+        elif wanted == reference and not self.now.limited:
+            self._watch(ticks)
 
     def idle(self, web: Web) -> None:
         """Let time pass with the stage off."""
-        self.now, self.dirt = passive(web), CLEAN
+        self.now, self.dirt, self._elapsed = passive(web), CLEAN, 0
 
     def restart_calibration(self) -> None:
         """2002h:28h was written."""
-        self._calibrated = 0
+        self._calibrated = self._elapsed = 0
 
     def quiet(self, on: bool) -> int:
-        """Ticks until a calibration is over."""
-        calibrating = self.parameters[Parameter.POLLUTION_DETECTION_DISCHARGING] == CALIBRATING
-        return CALIBRATION - self._calibrated if on and calibrating else NEVER
+        """Ticks until a calibration is over, or the reference point is approached or left."""
+        if not on or not self._elapsed:
+            return NEVER
+        if self._detection == CALIBRATING:
+            return NEVER if self.now.limited else CALIBRATION - self._calibrated
+        if set_point(self.parameters) == reference_point(self.kind):
+            return NEVER
+        return (APPROACH if self._approaches else BETWEEN) - self._since_approach
 
-    def _watch(self, ticks: int, bars: Bars) -> None:
-        """Compare with the nominal powers, or find them; other bars than R60 tell nothing."""
-        self.dirt = CLEAN
-        if bars.series not in SERIES_WITH_DETECTION:
-            return
-        powers = at_reference_point(self.kind, bars)
-        if self.parameters[Parameter.POLLUTION_DETECTION_DISCHARGING] == CALIBRATING:
-            self._calibrate(ticks, powers)
-        if self.parameters[Parameter.POLLUTION_DETECTION_DISCHARGING] == MONITORING:
+    @property
+    def _since_approach(self) -> int:
+        return (self._elapsed - 1) % BETWEEN
+
+    @property
+    def _approaches(self) -> bool:
+        return self._since_approach < APPROACH
+
+    def _watch(self, ticks: int) -> None:
+        """At the reference point: compare with the nominal powers, or find them."""
+        if self._detection == CALIBRATING:
+            self._calibrate(ticks, self.now.powers)
+        if self._detection == MONITORING:
             self.dirt = (
-                found(powers[0], self.parameters[Parameter.NOMINAL_POWER_1]),
-                found(powers[1], self.parameters[Parameter.NOMINAL_POWER_2]),
+                found(self.now.powers[0], self.parameters[Parameter.NOMINAL_POWER_1]),
+                found(self.now.powers[1], self.parameters[Parameter.NOMINAL_POWER_2]),
             )
+        else:
+            self.dirt = CLEAN
 
     def _calibrate(self, ticks: int, powers: tuple[float, float]) -> None:
         self._calibrated += ticks

@@ -4,6 +4,8 @@ from dataclasses import dataclass, field
 from math import inf
 from typing import Protocol
 
+BAR_DECAY = 0.1  # s, time constant with which a bar drains what is left (A-72, assumed)
+HOLDING_TIME = 30.0  # s, the same of cable and generator with nothing connected (assumed)
 WEB_CAPACITANCE = 1e-9  # F/m2: charge a passing web takes along, per volt (assumed)
 
 
@@ -12,6 +14,10 @@ class Electrode(Protocol):
 
     def current(self, voltage: float) -> float:
         """At a voltage."""
+        ...
+
+    def decay_rate(self, capacitance: float) -> float:
+        """How fast it drains a capacitance (F), in 1/s."""
         ...
 
 
@@ -28,6 +34,10 @@ class AirGap:
         excess = max(0.0, voltage - self.onset)
         return self.coefficient * self.length * voltage * excess
 
+    def decay_rate(self, capacitance: float) -> float:
+        """1/s, below the onset as well: ions and moist surfaces are no part of Townsend's form."""
+        return 1 / BAR_DECAY
+
 
 @dataclass(frozen=True)
 class Resistor:
@@ -38,6 +48,10 @@ class Resistor:
     def current(self, voltage: float) -> float:
         """A, at a voltage in V."""
         return voltage / self.resistance
+
+    def decay_rate(self, capacitance: float) -> float:
+        """1/s, with a capacitance in F."""
+        return 1 / (self.resistance * capacitance)
 
 
 SHORT = Resistor(1.0)
@@ -66,6 +80,7 @@ class Load:
     active: float = 1.0
     leakage: float = 0.0  # S
     web: Web = field(default_factory=Web)
+    holding_time: float = HOLDING_TIME  # s, without all of this
 
     def current(self, voltage: float) -> float:
         """A, at a voltage in V."""
@@ -75,3 +90,9 @@ class Load:
     def power(self, voltage: float) -> float:
         """W, at a voltage in V."""
         return voltage * self.current(voltage)
+
+    def decay_rate(self, capacitance: float) -> float:
+        """How fast all of it drains a capacitance (F) that is not fed, in 1/s."""
+        leaking = self.leakage + WEB_CAPACITANCE * self.web.area_rate
+        drained = self.active * self.electrode.decay_rate(capacitance) + leaking / capacitance
+        return max(drained, 1 / self.holding_time)

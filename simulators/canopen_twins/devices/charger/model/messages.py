@@ -95,7 +95,7 @@ class Situation(NamedTuple):
     sparks_limit: int
     voltage: float  # V, of the charging, as the rest
     regulator: Quantity | None
-    limiter: Quantity | None  # None while a ramp runs
+    limiter: Quantity | None
     limiter_warning: bool
     pollution: int  # %
     dirt: tuple[Dirt, Dirt]
@@ -136,8 +136,14 @@ def _too_many(counter: Counter) -> Condition:
     return lambda s: 0 < s.sparks_limit <= s.counts[counter]
 
 
+def _limiter(quantity: Quantity) -> Cause:
+    """Not gone as long as the limiter works, wanted or not (A-35)."""
+    key, condition = f"limiter_{quantity.value}", _limited(quantity)
+    return Cause(Severity.WARNING, key, condition, 1.0, lambda s: s.limiter is not quantity)
+
+
 def _limited(quantity: Quantity) -> Condition:
-    """2002h:1Bh; after a second without a ramp (A-66)."""
+    """2002h:1Bh (A-66)."""
     return lambda s: s.limiter_warning and s.limiter is quantity
 
 
@@ -165,9 +171,7 @@ CAUSES: tuple[Cause, ...] = (
         lambda s: s.regulator is Quantity.CURRENT and s.voltage < 0.5 * s.kind.minimum_voltage,
         1.0,
     ),
-    Cause(Severity.WARNING, "limiter_voltage", _limited(Quantity.VOLTAGE), 1.0),
-    Cause(Severity.WARNING, "limiter_current", _limited(Quantity.CURRENT), 1.0),
-    Cause(Severity.WARNING, "limiter_power", _limited(Quantity.POWER), 1.0),
+    *map(_limiter, Quantity),
     Cause(Severity.WARNING, "pollution_charging", lambda s: s.pollution >= 50, 10.0),
     Cause(Severity.WARNING, "pollution_discharging_1", lambda s: s.dirt[0] is not Dirt.NONE),
     Cause(Severity.WARNING, "pollution_discharging_2", lambda s: s.dirt[1] is not Dirt.NONE),
@@ -176,6 +180,7 @@ CAUSES: tuple[Cause, ...] = (
         "limiter_discharging",
         lambda s: s.limiter_warning and s.discharging_limited,
         1.0,
+        lambda s: not s.discharging_limited,
     ),
 )
 

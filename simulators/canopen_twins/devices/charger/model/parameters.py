@@ -141,6 +141,11 @@ class Parameters:
         if value != self[parameter]:
             self._put(parameter, value)
 
+    def lower(self, quantity: Quantity) -> None:
+        """Another highest limit is another 100 %, and may take its setpoint along (A-52)."""
+        self.pull_inside(SETPOINT[quantity])
+        self.to_percent(quantity)
+
     def from_percent(self) -> None:
         """2002h:0Bh: the governing setpoint follows the percentage."""
         setpoint = self.percent_of_maximum(self[Parameter.SETPOINT_PERCENT])
@@ -189,9 +194,10 @@ AFTER: Mapping[Parameter, Callable[[Parameters], None]] = {
     Parameter.CURRENT_SETPOINT: lambda values: values.to_percent(Quantity.CURRENT),
     Parameter.SETPOINT_PERCENT: Parameters.from_percent,
     Parameter.VOLTAGE_MINIMUM: lambda values: values.pull_inside(Parameter.VOLTAGE_SETPOINT),
-    Parameter.VOLTAGE_MAXIMUM: lambda values: values.pull_inside(Parameter.VOLTAGE_SETPOINT),
+    Parameter.VOLTAGE_MAXIMUM: lambda values: values.lower(Quantity.VOLTAGE),
     Parameter.CURRENT_MINIMUM: lambda values: values.pull_inside(Parameter.CURRENT_SETPOINT),
-    Parameter.CURRENT_MAXIMUM: lambda values: values.pull_inside(Parameter.CURRENT_SETPOINT),
+    Parameter.CURRENT_MAXIMUM: lambda values: values.lower(Quantity.CURRENT),
+    Parameter.MODE: lambda values: values.to_percent(values.governing),
     Parameter.WEB_WIDTH: Parameters.from_web_width,
     Parameter.WEB_WIDTH_MINIMUM: lambda values: values.pull_inside(Parameter.WEB_WIDTH),
     Parameter.WEB_WIDTH_MAXIMUM: lambda values: values.pull_inside(Parameter.WEB_WIDTH),

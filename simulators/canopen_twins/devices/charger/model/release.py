@@ -17,6 +17,7 @@ class ReleaseSource(IntFlag):
     ETHERNET = 1 << 4
 
 
+EVERY = ~ReleaseSource(0)
 BUS = ReleaseSource.CANOPEN | ReleaseSource.ETHERNET
 ANALOG_ON, ANALOG_OFF = 2.0, 1.0  # % (A-63)
 
@@ -65,6 +66,7 @@ NEXT: Mapping[ReleaseState, Mapping[ReleaseEvent, ReleaseState]] = {
 class Release:
     """One software release, whoever gave it: the last event wins (A-40)."""
 
+    timed: ReleaseSource = EVERY  # whose releases the timeout ends (A-42)
     closed: bool = True  # the hardware release
     state: ReleaseState = field(default=ReleaseState.LOCKED, init=False)
     source: ReleaseSource = field(default=ReleaseSource(0), init=False)
@@ -119,13 +121,13 @@ class Release:
             self.reset()
 
     def expire(self, now: int, timeout: int) -> None:
-        """Take a release from a bus away when `timeout` (ms, 0 = none) has passed (2002h:04h)."""
+        """Take the release away when `timeout` (ms, 0 = none) has passed (2002h:04h)."""
         if self.quiet(now, timeout) <= 0:
             self.reset()
 
     def quiet(self, now: int, timeout: int) -> int:
         """Ticks until it expires."""
-        if not (timeout and self.software and self.source in BUS):
+        if not (timeout and self.software and self.source in self.timed):
             return NEVER
         return self._given + -(-timeout // TICK_MS) - now
 

@@ -11,7 +11,7 @@ from canopen_twins.devices.charger.model.ticks import NEVER, TICK
 
 WINDOW = 0.008  # s, the 8 of f = Value * Imax / 8 (2002h:16h)
 WARNING_SHARE = 0.8  # 2002h:16h and 17h
-DEAD_TIME = 2  # ticks after a counted spark (assumed)
+DEAD_TIME = 20  # ms after a counted spark (A-78)
 FULL = 0xFFFF
 TOLERANCE = 1e-9  # "larger than": a change that meets a level exactly is not counted
 HIGHEST = 20.0  # scales above breakdown: it sparks at every tick by then
@@ -62,7 +62,7 @@ class Sparks:
     counting: Counting = Counting.EXCLUSIVE
     value: SparkValue = SparkValue.PERCENT
     counts: dict[Counter, int] = field(default_factory=lambda: dict.fromkeys(Counter, 0))
-    _blind_until: int = field(default=0, init=False)  # tick
+    _blind_until: int = field(default=0, init=False)  # ms
 
     def level(self, counter: Counter, parameters: Parameters, maximum_current: float) -> float:
         """Steepness in A/s (the manual: mA/ms) above which a counter counts.
@@ -75,10 +75,10 @@ class Sparks:
         return share * value * self.value.value * maximum_current / WINDOW
 
     def see(
-        self, now: int, steepness: float, parameters: Parameters, maximum_current: float
+        self, moment: int, steepness: float, parameters: Parameters, maximum_current: float
     ) -> None:
-        """Count a change of the current of so many A/s, unless the last spark was just now."""
-        if now < self._blind_until:
+        """Count a change of the current of so many A/s at a moment in ms, unless it is blind."""
+        if moment < self._blind_until:
             return
 
         def exceeded(counter: Counter) -> bool:
@@ -89,7 +89,7 @@ class Sparks:
             counter = next(filter(exceeded, group), None)
             if counter is not None:
                 self._count(counter)
-                self._blind_until = now + DEAD_TIME
+                self._blind_until = moment + DEAD_TIME
 
     def reset(self, counter: Counter) -> None:
         """Start one counter afresh."""

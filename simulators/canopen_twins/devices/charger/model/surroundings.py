@@ -6,7 +6,7 @@ from math import inf, sqrt
 from typing import NamedTuple
 
 from canopen_twins.devices.charger.model.discharging import Bars
-from canopen_twins.devices.charger.model.load import Electrode, Load, Web
+from canopen_twins.devices.charger.model.load import HOLDING_TIME, Electrode, Load, Web
 from canopen_twins.devices.charger.model.sparks import Storm
 from canopen_twins.devices.charger.model.thermal import AMBIENT
 from canopen_twins.devices.charger.model.types import Mode, Type
@@ -52,6 +52,7 @@ class Surroundings:
     electrode: Electrode | None = None  # instead of the bar of the type
     active: float = 1.0  # share of the charging bar that insulating dirt leaves
     leak: float = inf  # ohm, by conductive dirt
+    holding_time: float = HOLDING_TIME  # s, in which an open terminal loses its charge
     web: Web = field(default_factory=Web)
     bars: Bars = field(default_factory=Bars)
     heat: Mapping[str, float] = field(default_factory=dict)  # K, by sensor, as of a blocked fan
@@ -65,4 +66,5 @@ class Surroundings:
             active=self.active * active,
             leakage=1 / self.leak + leakage,
             web=self.web,
+            holding_time=self.holding_time,
         )

@@ -27,16 +27,23 @@ class Temperature:
 
     resistance: float  # K/W
     time_constant: float  # s
-    _start: float = field(default=AMBIENT, init=False)  # degC
-    _end: float = field(default=AMBIENT, init=False)
+    _start: float = AMBIENT  # degC
+    _end: float = field(init=False)
     _since: int = field(default=0, init=False)
     _heat: float = field(default=0.0, init=False)
+
+    def __post_init__(self) -> None:
+        self._end = self._start
 
     def at(self, now: int) -> float:
         """The temperature at a tick, in degC."""
         elapsed = (now - self._since) * TICK
         course = (self._start - self._end) * exp(-elapsed / self.time_constant)
         return self._end + course + self._heat
+
+    def begin(self, now: int, temperature: float) -> None:
+        """Be at a temperature (degC) at a tick, its heat from elsewhere included."""
+        self._start, self._since = temperature - self._heat, now
 
     def lead(self, now: int, power: float, ambient: float, heat: float) -> None:
         """From `now` on there is a loss of `power` (W) in a surrounding of `ambient` (degC)."""
@@ -60,9 +67,10 @@ class Temperature:
 class Heating:
     """All sensors together."""
 
-    def __init__(self, *, discharging: bool) -> None:
+    def __init__(self, start: float = AMBIENT, *, discharging: bool) -> None:
+        """As warm as its surroundings, `start` degC."""
         self._sensors = {
-            name: Temperature(resistance, time_constant)
+            name: Temperature(resistance, time_constant, start)
             for name, (resistance, time_constant) in SENSORS.items()
             if discharging or name != "discharging"
         }
@@ -70,6 +78,11 @@ class Heating:
     def at(self, now: int) -> Mapping[str, float]:
         """Every temperature in degC."""
         return {name: sensor.at(now) for name, sensor in self._sensors.items()}
+
+    def inherit(self, temperatures: Mapping[str, float], now: int) -> None:
+        """Go on with temperatures (degC) of a former life, as far as losses explain them."""
+        for name, sensor in self._sensors.items():
+            sensor.begin(now, temperatures[name])
 
     def lead(
         self, now: int, losses: Mapping[str, float], ambient: float, heat: Mapping[str, float]
@@ -95,45 +108,55 @@ def losses(supply: float, charging: float, discharging: float) -> Mapping[str, f
 
 
 class Derating:
-    """2002h:0Ah and 20h in W, by the sensor that decides; worked out once a second (assumed)."""
+    """2002h:0Ah and 20h in W, by the supply and the sensor that decides.
+
+    They follow the supply and a sudden heat at once, the slow course of a temperature once a
+    second (assumed).
+    """
 
     def __init__(self, kind: Type) -> None:
         self._maxima = {"power_stage": kind.power, "discharging": kind.power_discharging}
-        self._setpoints = dict(self._maxima)
+        self._cool = dict.fromkeys(self._maxima, 1.0)  # shares of full power
+        self._fed = 1.0
+        self._heat: Mapping[str, float] = {}
 
     @property
     def charging(self) -> float:
         """Power setpoint of the charging, W."""
-        return self._setpoints["power_stage"]
+        return self._setpoint("power_stage")
 
     @property
     def discharging(self) -> float:
         """Power setpoint of the discharging, W."""
-        return self._setpoints["discharging"]
+        return self._setpoint("discharging")
 
-    def review(self, now: int, temperatures: Mapping[str, float], supply_voltage: float) -> None:
-        """Work it out anew if the second is over."""
-        if now % REVIEW == 0:
-            self._setpoints = self._allowed(temperatures, supply_voltage)
+    def review(
+        self,
+        now: int,
+        temperatures: Mapping[str, float],
+        supply_voltage: float,
+        heat: Mapping[str, float],
+    ) -> None:
+        """Work it out anew; `heat` (K) is what comes on top of the losses all of a sudden."""
+        self._fed = _share((supply_voltage - LOWEST_SUPPLY) / (FULL_SUPPLY - LOWEST_SUPPLY))
+        if now % REVIEW == 0 or heat != self._heat:
+            self._heat, self._cool = heat, self._coolness(temperatures)
 
-    def quiet(self, now: int, temperatures: Mapping[str, float], supply_voltage: float) -> int:
+    def quiet(self, now: int, temperatures: Mapping[str, float]) -> int:
         """Ticks until something may change."""
         warm = any(
             full <= temperatures.get(sensor, 0.0) < full + SPAN
             for sensor, full in FULL_POWER_UP_TO.items()
         )
-        if warm or self._allowed(temperatures, supply_voltage) != self._setpoints:
+        if warm or self._coolness(temperatures) != self._cool:
             return REVIEW - now % REVIEW
         return NEVER
 
-    def _allowed(
-        self, temperatures: Mapping[str, float], supply_voltage: float
-    ) -> dict[str, float]:
-        supply = _share((supply_voltage - LOWEST_SUPPLY) / (FULL_SUPPLY - LOWEST_SUPPLY))
-        return {
-            sensor: maximum * supply * _share(_coolness(sensor, temperatures))
-            for sensor, maximum in self._maxima.items()
-        }
+    def _setpoint(self, sensor: str) -> float:
+        return self._maxima[sensor] * self._fed * self._cool[sensor]
+
+    def _coolness(self, temperatures: Mapping[str, float]) -> dict[str, float]:
+        return {sensor: _share(_coolness(sensor, temperatures)) for sensor in self._maxima}
 
 
 def _coolness(sensor: str, temperatures: Mapping[str, float]) -> float:

@@ -76,9 +76,3 @@ class Hours:
         self.operating += ticks
         self.charging += ticks * charging
         self.discharging += ticks * discharging
-
-    def quiet(self, charging: bool, discharging: bool) -> int:
-        """Ticks until the next whole minute of one that runs."""
-        running = [self.operating]
-        running += [self.charging] * charging + [self.discharging] * discharging
-        return min(MINUTE - ticks % MINUTE for ticks in running)

@@ -56,7 +56,7 @@ class Type:
 
 @dataclass(frozen=True)
 class Build:
-    """A charger as it is ordered; `superset` gives a /C every setting of an /A (A-20)."""
+    """A charger as it is ordered; with `superset` /A and /C have all of each other (A-20)."""
 
     kind: Type
     variant: Variant = Variant.BASE
@@ -75,7 +75,7 @@ class Build:
     @property
     def finds_dirt(self) -> bool:
         """Whether it tells what is wrong with its discharging bars (6000h:07h)."""
-        return self.variant is Variant.C
+        return self.variant is Variant.C or (self.variant is Variant.A and self.superset)
 
 
 PCSC = Type(
