@@ -47,8 +47,7 @@ def test_the_jitter_is_in_its_range_and_the_same_with_the_same_seed(slow):
 
     assert times() == times()
     assert times() != times(seed=2)
-    assert 0.01 <= min(times()) < 0.0115
-    assert 0.0135 < max(times()) <= 0.015
+    assert 0.01 <= min(times()) < max(times()) <= 0.015
 
 
 def test_a_request_meanwhile_waits_and_the_next_overwrites_it(slow):
@@ -77,7 +76,7 @@ def test_even_then_there_is_an_end(slow):
 def test_what_is_written_acts_when_it_is_answered(slow):
     bench = slow(answer_time=0.01)
     bench.send("605#2B171000E8030000")
-    assert bench.values("Producer heartbeat time") == {"Producer heartbeat time": 0}
+    assert bench.values("Producer heartbeat") == {"Producer heartbeat": 0}
     assert answers(bench, 1.01) == [(0.01, "585#6017100000000000"), (1.01, "705#7F")]
 
 
@@ -110,7 +109,7 @@ def test_why_says_that_a_request_was_overwritten(slow):
 def test_the_segments_of_a_block_do_not_wait_for_each_other(slow):
     bench = slow(answer_time=0.01)
     value = bytes(range(200))
-    named = sdo.multiplexer((0x2004, 0))
+    named = sdo.multiplexer((0x2006, 0))
     head = sdo.message(sdo.Ccs.BLOCK_DOWNLOAD, named + len(value).to_bytes(4, "little"), 2)
     bench.put(Frame(0x605, head))
     bench.run(0.1)

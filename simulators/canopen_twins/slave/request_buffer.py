@@ -48,10 +48,13 @@ class RequestBuffer:
             self._turn = None
 
     def _begin(self, frame: Frame, serve: Handler) -> None:
-        self._turn = self._clock.after(self._delay(frame.data), lambda: self._end(frame, serve))
+        if delay := self._delay(frame.data):
+            self._turn = self._clock.after(delay, lambda: self._end(frame, serve))
+        else:
+            serve(frame)
 
     def _end(self, frame: Frame, serve: Handler) -> None:
         self._turn = None
         serve(frame)
-        if self._waiting:
+        while self._waiting and self._turn is None:
             self._begin(self._waiting.popleft(), serve)
