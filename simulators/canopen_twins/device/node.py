@@ -10,6 +10,7 @@ from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.wire import Outbox, Wire, through
 from canopen_twins.device.device import Device
 from canopen_twins.device.faults import Faults
+from canopen_twins.device.measurement import Measurement
 from canopen_twins.device.timing import request_buffer
 from canopen_twins.errors import UserError
 from canopen_twins.slave.emcy import EmcyLog, EmcyProducer
@@ -47,6 +48,8 @@ class Stack:
         self._services = [self._nmt, self._heartbeat, *_services(slave, device, log)]
         slave.on_communication_change = self._on_communication_change
         _bind(slave, device)
+        if device.timing.measure_time or device.timing.noise:
+            Measurement(slave, device.measured, device.timing, device.cycle)
         for service in self._services:
             slave.bind(service.objects)
 
@@ -146,6 +149,7 @@ class Node:
         self.device = device
         self.clock = clock
         self.wire = Wire(clock, outbox, name)
+        self.wire.bit_rate = lambda: self.device.bit_rate if self.powered else None
         self.faults = Faults(device.faults)  # a segment adds those around it
         self.powered = False
         self._stack: Stack | None = None  # none: silent, whatever the reason
