@@ -116,3 +116,16 @@ def test_every_device_has_measured_values(device, settings, name):
         bench.run(0.05)
         values += bench.values(name).values()
     assert 2 <= max(values) - min(values) <= 4
+
+
+def test_a_gateway_tells_the_same_by_tpdo_and_by_sdo():
+    bench = Bench("gateway", config="gateway_plant.yaml", node_id=5, measure_time=0.1, noise=40)
+    bench.run(5.0)
+    bench.send("000#0105")
+    told = []
+    for _ in range(50):
+        (frame,) = [text for text in bench.run(0.1) if text.startswith("485#")][-1:]
+        shown = bench.send("605#4001200100000000")[0]
+        told.append((frame[5:9], shown[13:17]))
+    assert all(frame == shown for frame, shown in told)
+    assert len(set(told)) > 10

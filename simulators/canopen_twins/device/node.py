@@ -48,7 +48,7 @@ class Stack:
         self._services = [self._nmt, self._heartbeat, *_services(slave, device, log)]
         slave.on_communication_change = self._on_communication_change
         _bind(slave, device)
-        if device.timing.measure_time or device.timing.noise:
+        if device.timing.measures:
             Measurement(slave, device.measured, device.timing, device.cycle)
         for service in self._services:
             slave.bind(service.objects)

@@ -30,6 +30,11 @@ class Timing:
     store_refuses: bool = False
     seed: int = 0
 
+    @property
+    def measures(self) -> bool:
+        """Whether measured values are others than those of the model."""
+        return bool(self.measure_time or self.noise)
+
 
 IDEAL = Timing()
 PRESETS: Mapping[str, Timing] = {
