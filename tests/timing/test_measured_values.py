@@ -28,6 +28,7 @@ def probe(tmp_path):
 
 
 def become(bench, value):
+    bench.node.look()
     bench.node.slave.data_store[0x2009][0] = value.to_bytes(2, "little", signed=True)
 
 

@@ -48,8 +48,9 @@ class Stack:
         self._services = [self._nmt, self._heartbeat, *_services(slave, device, log)]
         slave.on_communication_change = self._on_communication_change
         _bind(slave, device)
+        self.measurement: Measurement | None = None
         if device.timing.measures:
-            Measurement(slave, device.measured, device.timing, device.cycle)
+            self.measurement = Measurement(slave, device.measured, device.timing, device.cycle)
         for service in self._services:
             slave.bind(service.objects)
 
@@ -259,11 +260,20 @@ class Node:
             self._settle()
 
     def _catch_up(self) -> None:
-        elapsed = self.clock.ticks - self._stepped
-        if elapsed >= self._cycle:
-            elapsed -= elapsed % self._cycle
-            self._stepped += elapsed
-            self.device.step(elapsed / MICROSECONDS)
+        stack = self._stack
+        if stack is not None and stack.measurement is not None:
+            due = stack.measurement.due(self.clock.ticks)
+            if due is not None:
+                self._step_to(due)
+                stack.measurement.refresh(due)
+        if self.clock.ticks - self._stepped >= self._cycle:
+            self._step_to(self.clock.ticks)
+
+    def _step_to(self, tick: int) -> None:
+        elapsed = tick - self._stepped
+        if whole := elapsed - elapsed % self._cycle:
+            self._stepped += whole
+            self.device.step(whole / MICROSECONDS)
 
     def _settle(self) -> None:
         self._follow()
@@ -279,6 +289,8 @@ class Node:
 
     def _arm(self) -> None:
         rest = self.device.rest * MICROSECONDS
+        if self._stack is not None and self._stack.measurement is not None:
+            rest = min(rest, self._stack.measurement.next_refresh - self._stepped)
         wait = max(rest - rest % self._cycle, self._cycle) if isfinite(rest) else inf
         if self._stepped + wait == self._wake:
             return

@@ -66,7 +66,9 @@ def read_scenario(path: Path, find: Find) -> Scenario:
 def read_bench(path: Path, find: Find) -> Mapping[str, NodeSpec]:
     """The nodes of a bench file, by their names there; raises as `read_scenario` does."""
     return understand_table(
-        path, schema.BenchFile, lambda file: _take(file.nodes, Participants(find, timing=file.timing)).specs
+        path,
+        schema.BenchFile,
+        lambda file: _take(file.nodes, Participants(find, timing=file.timing)).specs,
     )
 
 
