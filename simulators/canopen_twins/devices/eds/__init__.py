@@ -48,6 +48,8 @@ class Device(AnyDevice):
 
     settings = Settings()
     profile = Profile(block=True)
+    version = 0
+    """When its file was changed, so that a file that was edited is read anew."""
 
     @property
     def modules(self) -> Sequence[int] | None:
@@ -95,7 +97,7 @@ class Device(AnyDevice):
 
     def dictionary(self) -> ObjectDictionary:
         """That of the file, with the modules that are plugged in."""
-        return dictionary(self.eds, self.node_id, self.modules)
+        return dictionary(self.eds, self.node_id, self.modules, self.version)
 
     @property
     def measured(self) -> Collection[Address]:
@@ -141,7 +143,7 @@ def device_of(path: Path) -> type[Device]:
 
 
 @cache
-def _device_of(path: Path, name: str, _: int) -> type[Device]:
+def _device_of(path: Path, name: str, version: int) -> type[Device]:
     file = read(str(path))
     for remark in file.remarks:
         log.warning("%s", remark.told(name))
@@ -155,6 +157,7 @@ def _device_of(path: Path, name: str, _: int) -> type[Device]:
             "__module__": __name__,
             "__doc__": f"The device of {name}.",
             "eds": str(path),
+            "version": version,
             "title": f"{words} ({name})" if words else name,
             "settings": Settings(node_id=node_id),
         },
