@@ -27,6 +27,7 @@ from canopen_twins.cli.command import (
 from canopen_twins.cli.results import Announcer, add_recording, add_reports, recording
 from canopen_twins.device.device import Device
 from canopen_twins.device.node import Node
+from canopen_twins.device.settings import TimingSettings
 from canopen_twins.errors import UserError
 from canopen_twins.faults import connect
 from canopen_twins.files.whole import held
@@ -71,6 +72,7 @@ def _run(options: argparse.Namespace, signals: Signals) -> int:
     participants = _participants(options, scenario)
     nodes = {name: connect(segment, device, name) for name, device in participants.items()}
     player = Player(scenario, segment, nodes) if scenario else None
+    _tune(segment, getattr(options, "bitrate", None))
     bus = named_bus(options)
     ready = {**_ready(_title(options, scenario), segment), **bus.told}
     with _off_in_the_end(segment):
@@ -83,6 +85,16 @@ def _run(options: argparse.Namespace, signals: Signals) -> int:
                 lambda: print(json.dumps(ready), flush=True),
             )
         return signals.code if player is None else _told(player, announcer, signals)
+
+
+def _tune(segment: Segment[Node], bit_rate: int | None) -> None:
+    """A node that is set to another bit rate than `--bitrate` neither hears nor is heard."""
+    segment.bit_rate = bit_rate
+    for node in segment.nodes:
+        own = node.device.bit_rate
+        if None not in (own, bit_rate) and own != bit_rate:
+            name = node.wire.name
+            log.warning("%s has %d bit/s, the bus %d: they do not meet", name, own, bit_rate)
 
 
 @contextmanager
@@ -140,14 +152,15 @@ def _participants(options: argparse.Namespace, scenario: Scenario | None) -> dic
     name = options.device or ""
     if not devices.tells_of_device(name) and ("/" in name or name.endswith((".yaml", ".yml"))):
         _refuse(options, options.device, (*OF_ONE_DEVICE, "scenario"))
-        return _delivered(_of_bench(options.device))
+        return {name: _real(spec).create() for name, spec in _of_bench(options.device).items()}
     if scenario is not None:
         return _of_scenario(options, scenario)
     if options.device is None:
         taken = f"; {options.hub} was taken for the hub" if options.hub in devices.names() else ""
         hint = f"say which device, or --scenario with a file that does{taken}"
         raise UserError(f"nothing to run: {hint}")
-    return {options.device: _equipped(options, NodeSpec(devices.find(options.device), {}))}
+    spec = _real(NodeSpec(devices.find(options.device), {}))
+    return {options.device: _equipped(options, spec)}
 
 
 def _of_bench(name: str) -> Mapping[str, NodeSpec]:
@@ -170,7 +183,7 @@ def _of_scenario(options: argparse.Namespace, scenario: Scenario) -> dict[str, D
     if options.device is not None:
         raise UserError(f"{about}: leave {options.device} out, and all of them are run")
     _refuse(options, str(scenario.file), OF_ONE_DEVICE)
-    return _delivered(scenario.nodes)
+    return {name: spec.create() for name, spec in scenario.nodes.items()}
 
 
 def _refuse(options: argparse.Namespace, file: str, names: Iterable[str]) -> None:
@@ -179,8 +192,11 @@ def _refuse(options: argparse.Namespace, file: str, names: Iterable[str]) -> Non
             raise UserError(f"{file} says all about its nodes: leave --{name} out")
 
 
-def _delivered(nodes: Mapping[str, NodeSpec]) -> dict[str, Device]:
-    return {name: spec.create() for name, spec in nodes.items()}
+def _real(spec: NodeSpec) -> NodeSpec:
+    """With the times of a real device, unless it says others; a scenario is judged by its own."""
+    timed = isinstance(spec.device.settings, TimingSettings)
+    usual = {"timing": "typical"} if timed else {}
+    return NodeSpec(spec.device, {**usual, **spec.settings})
 
 
 def _equipped(options: argparse.Namespace, spec: NodeSpec) -> Device:

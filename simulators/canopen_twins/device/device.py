@@ -14,6 +14,7 @@ from canopen_twins.bus.identifiers import NODE_IDS
 from canopen_twins.device.chart import Chart
 from canopen_twins.device.faults import Fault
 from canopen_twins.device.settings import NodeSettings, changed
+from canopen_twins.device.timing import PRESETS, Timing, timing_of
 from canopen_twins.errors import UserError
 from canopen_twins.files.shipped import od_file
 from canopen_twins.slave.dictionary import dictionary
@@ -72,6 +73,8 @@ class Device:
     """Seconds between two steps, whole microseconds."""
     files: tuple[Path, ...] = ()
     """Those that describe it, first the one it is named by; none for a class of Python."""
+    timings: ClassVar[Mapping[str, Timing]] = PRESETS
+    """What the presets of `timing` are; a class names its own where its maker tells them."""
 
     def __init__(self, **given: object) -> None:
         self.memory = Memory()
@@ -99,8 +102,13 @@ class Device:
 
     @property
     def bit_rate(self) -> int | None:
-        """In bit/s, what it is set to; none where nobody says."""
+        """In force, in bit/s; none if it has none, or one that never is wrong."""
         return None
+
+    @property
+    def timing(self) -> Timing:
+        """How long it takes for things; asked at power-on and at every reset."""
+        return timing_of(self.settings, self.timings)
 
     @property
     def online(self) -> bool:
@@ -129,6 +137,11 @@ class Device:
     def objects(self) -> Mapping[Address, Object]:
         """The entries that act on the model."""
         return {}
+
+    @property
+    def measured(self) -> Collection[Address]:
+        """The entries whose values are measured: they have a refresh cycle, and noise."""
+        return ()
 
     @property
     def stored(self) -> Collection[Address]:

@@ -11,6 +11,8 @@ from canopen_twins.bus.identifiers import UNCONFIGURED
 from canopen_twins.bus.wire import Outbox, Wire, through
 from canopen_twins.device.device import Device
 from canopen_twins.device.faults import Faults
+from canopen_twins.device.measurement import Measurement
+from canopen_twins.device.timing import request_buffer
 from canopen_twins.errors import UserError
 from canopen_twins.slave.emcy import EmcyConsumer, EmcyLog, EmcyProducer
 from canopen_twins.slave.error_control import (
@@ -64,6 +66,9 @@ class Stack:
         slave.on_communication_change = self._on_communication_change
         slave.hear = self._hear
         _bind(slave, device)
+        self.measurement: Measurement | None = None
+        if device.timing.measures:
+            self.measurement = Measurement(slave, device.measured, device.timing, device.cycle)
         recall(slave, device.memory, kept, area)  # what a service fixes was right when it was kept
         for service in self._services:
             slave.bind(service.objects)
@@ -158,18 +163,20 @@ def _services(
     slave: Slave, device: Device, emcy: EmcyProducer, nmt: Nmt, kept: Collection[Address]
 ) -> Iterator[Service]:
     """Those that nobody but the bus asks for anything, in the order in which they speak."""
+    timing = device.timing
     errors = CommunicationErrors(slave, nmt)
     yield errors
     yield NodeGuarding(slave, errors)
     yield HeartbeatConsumer(slave, errors, device.on_heartbeat)
-    yield SdoServer(slave)
+    yield SdoServer(slave, request_buffer(slave, timing))
     yield from FurtherSdoServer.all(slave)
     yield Sync(slave)
     yield Time(slave)
     yield from device.pdos(slave)
     yield emcy
     yield EmcyConsumer(slave, device.on_emcy)
-    yield Store(slave, device.memory, kept, device)
+    busy_time = timing.store_time if timing.store_refuses else 0.0
+    yield Store(slave, device.memory, kept, device, busy_time)
     yield StoredEds(slave, device.eds)
     yield from device.services(slave)
     yield ConfigurationCheck(slave, kept)  # the last: it hears of what nobody has refused
@@ -188,10 +195,12 @@ class Node:
         self.device = device
         self.clock = clock
         self.wire = Wire(clock, outbox, name)
+        self.wire.bit_rate = lambda: self.device.bit_rate if self.powered else None
         self.faults = Faults(device.faults)  # a segment adds those around it
         self.powered = False
         self._stack: Stack | None = None  # none: silent, whatever the reason
         self._before: Slave | None = None
+        self._booting: Timer | None = None  # the end of the boot time, while it lasts
         self._afresh = True  # the next boot is one of the application, not of communication alone
         self.log = EmcyLog()
         self.listeners: list[Callable[[State], None]] = [device.on_state]  # hear of every state
@@ -209,6 +218,11 @@ class Node:
     def state(self) -> State:
         """The NMT state; Initialisation also means silence, whatever its reason."""
         return State.INITIALISING if self._stack is None else self._stack.state
+
+    @property
+    def booting(self) -> bool:
+        """Whether it is silent because it takes its time to boot."""
+        return self._booting is not None
 
     @property
     def node_id(self) -> int:
@@ -295,13 +309,24 @@ class Node:
 
     def _catch_up(self) -> bool:
         """Let the time pass that has gone by; whether that was a step."""
-        elapsed = self.clock.ticks - self._stepped
-        if elapsed < self._cycle:
+        stack, stepped = self._stack, False
+        if stack is not None and stack.measurement is not None:
+            due = stack.measurement.due(self.clock.ticks)
+            if due is not None:
+                stepped = self._step_to(due)
+                stack.measurement.refresh(due)
+        if self.clock.ticks - self._stepped >= self._cycle:
+            stepped = self._step_to(self.clock.ticks)
+        return stepped
+
+    def _step_to(self, tick: int) -> bool:
+        elapsed = tick - self._stepped
+        whole = elapsed - elapsed % self._cycle
+        if not whole:
             return False
-        elapsed -= elapsed % self._cycle
-        self._stepped += elapsed
+        self._stepped += whole
         step = self.device.step if self.powered else self.device.step_unpowered
-        step(elapsed / MICROSECONDS)
+        step(whole / MICROSECONDS)
         return True
 
     def _settle(self) -> None:
@@ -318,6 +343,8 @@ class Node:
 
     def _arm(self) -> None:
         rest = self.device.rest * MICROSECONDS
+        if self._stack is not None and self._stack.measurement is not None:
+            rest = min(rest, self._stack.measurement.next_refresh - self._stepped)
         wait = max(rest - rest % self._cycle, self._cycle) if isfinite(rest) else inf
         if self._stepped + wait == self._wake:
             return
@@ -337,7 +364,9 @@ class Node:
         stack = self._stack
         if stack is None:
             if self.device.online:
-                self._boot()
+                self._start()
+            else:
+                self._stop_booting()
         elif not self.device.online:
             self._fall_silent()
             self._afresh = True
@@ -354,7 +383,28 @@ class Node:
         else:
             self.device.reset_communication()
         if self.device.online:
+            self._start()
+
+    def _start(self) -> None:
+        """Boot when the boot time is over."""
+        if self._booting is not None:
+            return
+        if boot_time := self.device.timing.boot_time:
+            self._booting = self.clock.after(boot_time, self._end_booting)
+        else:
             self._boot()
+
+    def _end_booting(self) -> None:
+        self._booting = None
+        self._catch_up()
+        if self.device.online:
+            self._boot()
+        self._settle()
+
+    def _stop_booting(self) -> None:
+        if self._booting is not None:
+            self._booting.cancel()
+            self._booting = None
 
     def _boot(self) -> None:
         """A fresh slave from the EDS and the stored parameters."""
@@ -370,6 +420,7 @@ class Node:
         self._stack.boot_up()
 
     def _fall_silent(self) -> None:
+        self._stop_booting()
         if self._stack is not None:
             self._before = self._stack.slave
             self._stack.close()

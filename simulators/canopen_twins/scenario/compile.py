@@ -68,12 +68,12 @@ def read_bench(path: Path, find: Find) -> Mapping[str, NodeSpec]:
     return understand_table(
         path,
         schema.BenchFile,
-        lambda file: _take(file.nodes, Participants(find, path.parent)).specs,
+        lambda file: _take(file.nodes, Participants(find, path.parent, timing=file.timing)).specs,
     )
 
 
 def _scenario(file: schema.ScenarioFile, path: Path, find: Find) -> Scenario:
-    participants = Participants(find, path.parent, file.seed)
+    participants = Participants(find, path.parent, file.seed, file.timing)
     if file.node is not None:
         participants.take(file.node.device, file.node, file.node.place)
     _take(file.nodes or {}, participants)

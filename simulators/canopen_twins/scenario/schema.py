@@ -11,6 +11,7 @@ from pydantic import ConfigDict, Discriminator, Field, Tag
 
 from canopen_twins.bus.frame import Frame, pattern
 from canopen_twins.device.node import Node as Twin
+from canopen_twins.device.timing import PRESETS
 from canopen_twins.files.document import Item
 from canopen_twins.files.leaves import (
     BY_NAME,
@@ -280,6 +281,9 @@ MOST_STEPS, MOST_NODES = 10_000, 127
 BIT_RATES = 10_000, 1_000_000  # CiA 301, 5.2
 
 
+Preset = Annotated[str, word("timing", {name: name for name in PRESETS})]
+
+
 class Node(Table):
     """A device as it is delivered."""
 
@@ -287,6 +291,8 @@ class Node(Table):
     """Which device, by its name in `canopen-twin list`, or the path of its EDS file from here."""
     node_id: NodeId | None = None
     """The node id it is delivered with, 1..127."""
+    timing: Preset | None = None
+    """How long things take: that of the file if it is left out."""
     settings: Parameters | None = None
     """How it is delivered and what is around it; see `canopen-twin settings DEVICE`."""
 
@@ -294,7 +300,14 @@ class Node(Table):
 Nodes = Annotated[dict[Name, IfRight[Node]], Field(min_length=1, max_length=MOST_NODES), BY_NAME]
 
 
-class BenchFile(File):
+class FileOfNodes(File):
+    """What every file with nodes has."""
+
+    timing: Preset | None = None
+    """How long things take for its nodes; ideal is no time at all, and the default but of `run`."""
+
+
+class BenchFile(FileOfNodes):
     """Several twins on one bus."""
 
     model_config = ConfigDict(title="Bench file")
@@ -303,7 +316,7 @@ class BenchFile(File):
     """Who is on the bus, by names of your own."""
 
 
-class ScenarioFile(File):
+class ScenarioFile(FileOfNodes):
     """Twins and what happens to them; it is played and judged."""
 
     model_config = ConfigDict(title="Scenario")

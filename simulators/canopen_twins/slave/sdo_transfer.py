@@ -21,6 +21,10 @@ class Transfer:
         """Whether a request with this command byte belongs to the transfer."""
         raise NotImplementedError
 
+    def is_silent(self, data: bytes) -> bool:
+        """Whether such a request has no answer of its own, and does not wait for its turn."""
+        return False
+
     def answer(self, data: bytes) -> Sequence[bytes]:
         """What to say to such a request.
 
@@ -208,6 +212,11 @@ class BlockDownload(Transfer):
         if self._complete:
             return command >> 5 == Ccs.BLOCK_DOWNLOAD and command & 3 == Sub.END
         return command != sdo.ABORT
+
+    def is_silent(self, data: bytes) -> bool:
+        """All segments of a block but the last one."""
+        last = data[0] & sdo.LAST_OF_BLOCKS or sdo.block_number(data) == sdo.LONGEST_BLOCK
+        return not self._complete and data[0] != sdo.ABORT and not last
 
     def answer(self, data: bytes) -> Sequence[bytes]:
         """Confirm a block when its last segment is there, and the transfer at its end."""

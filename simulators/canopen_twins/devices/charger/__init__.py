@@ -29,7 +29,7 @@ from canopen_twins.devices.charger.model.surroundings import Surroundings
 from canopen_twins.devices.charger.model.ticks import MINUTE, TICK, TICK_MS
 from canopen_twins.devices.charger.model.types import Mode
 from canopen_twins.devices.charger.object_table import addresses, factory, file_name
-from canopen_twins.devices.charger.objects import Control, actual_values
+from canopen_twins.devices.charger.objects import MEASURED, Control, actual_values
 from canopen_twins.devices.charger.settings import (
     Settings,
     build,
@@ -60,6 +60,7 @@ class Device(device.Device):
     cycle = 0.001  # finer than a tick, for the dead time of the spark detector
     late = 0
     """Milliseconds since the last tick of the charger."""
+    measured = MEASURED
 
     def configure(self, **given: object) -> None:
         """Change settings while the supply is off; what surrounds it is as delivered."""
@@ -72,6 +73,11 @@ class Device(device.Device):
         communication.check(self.settings)
         messages.catalogue(self.settings.messages)
         undisturbed(self.settings)
+
+    @property
+    def bit_rate(self) -> int:
+        """In force, in bit/s; LSS, and 0x2002:07 with a reset, change it."""
+        return self.network.bit_rate
 
     @property
     def node_id(self) -> int:
@@ -138,11 +144,6 @@ class Device(device.Device):
     def chart(self) -> Chart:
         """Its outputs and the sparks, and the state of the release."""
         return chart(self.charger)
-
-    @property
-    def bit_rate(self) -> int:
-        """The one in force, of LSS or 2002h:07."""
-        return self.network.bit_rate
 
     def dictionary(self) -> ObjectDictionary:
         """The EDS of the type and variant, with the heartbeat as delivered (A-01)."""

@@ -11,11 +11,11 @@ from functools import cache
 from pathlib import Path
 
 from canopen import ObjectDictionary
-from canopen.objectdictionary.datatypes import DOMAIN
+from canopen.objectdictionary.datatypes import DOMAIN, FLOAT_TYPES, INTEGER8, SIGNED_TYPES
 
 from canopen_twins.bus.identifiers import NODE_IDS, UNCONFIGURED
 from canopen_twins.device.settings import NodeSettings, setting
-from canopen_twins.devices.eds.network import Network
+from canopen_twins.devices.eds.network import BIT_TIMINGS, Network
 from canopen_twins.devices.eds.settable import Settable
 from canopen_twins.errors import UserError
 from canopen_twins.files.sections import Remark
@@ -31,6 +31,8 @@ from canopen_twins.slave.slave import Slave
 log = logging.getLogger(__name__)
 
 COMMANDS = (0x1003, 0x1010, 0x1011)  # what is written there is an order, not a value to keep
+APPLICATION = 0x2000  # the first index that is no matter of communication
+MEASURED_TYPES = {*SIGNED_TYPES, *FLOAT_TYPES} - {INTEGER8}
 DELIVERED = 1  # node id of a file that says none
 
 
@@ -86,6 +88,12 @@ class Device(Settable):
         _ = self.modules
 
     @property
+    def bit_rate(self) -> int | None:
+        """What LSS has set; else any is right, as no file says one."""
+        index = self.network.bit_timing
+        return None if index is None else BIT_TIMINGS[index]
+
+    @property
     def node_id(self) -> int:
         """That of the settings, or the one that LSS has set."""
         return self.network.node_id
@@ -101,6 +109,19 @@ class Device(Settable):
     def dictionary(self) -> ObjectDictionary:
         """That of the file, with the modules that are plugged in."""
         return dictionary(self.eds, self.node_id, self.modules, self.version)
+
+    @property
+    def measured(self) -> Collection[Address]:
+        """What only the device changes and a PDO may carry, if it is no collection of bits."""
+        return [
+            (index, subindex)
+            for index, item in self.dictionary().indices.items()
+            if index >= APPLICATION
+            for subindex, variable in entries_of(item).items()
+            if variable.pdo_mappable
+            and not variable.writable
+            and variable.data_type in MEASURED_TYPES
+        ]
 
     @property
     def stored(self) -> Collection[Address]:

@@ -1,6 +1,7 @@
 """Heinzmann governor behind its CANopen gateway (manual DG 04 005-e / 07-04): two control units."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
 
 from canopen import ObjectDictionary
 
@@ -8,6 +9,7 @@ from canopen_twins.device import device
 from canopen_twins.device.chart import Chart
 from canopen_twins.device.device import Message
 from canopen_twins.device.faults import Fault
+from canopen_twins.device.timing import Timing
 from canopen_twins.devices.gateway import delivery
 from canopen_twins.devices.gateway.chart import chart
 from canopen_twins.devices.gateway.faults import faults
@@ -26,6 +28,8 @@ from canopen_twins.slave.service import Service, State
 from canopen_twins.slave.slave import Slave
 
 MICROSECOND = 1e-6  # s
+BIT_RATE = 426  # kbit/s (7.2.2)
+ANALOG_OUTPUTS = (0x2001, 0x2002)
 COMMANDS = {  # Figure 3
     State.OPERATIONAL: MasterCommand.OPERATIONAL,
     State.STOPPED: MasterCommand.STOP,
@@ -76,6 +80,21 @@ class Device(device.Device):
         return DcDesk(self.system.gateway, self.units)
 
     @property
+    def bit_rate(self) -> int:
+        """Parameter 426, as the next start finds it, in bit/s."""
+        return int(self.units.parameters[BIT_RATE]) * 1000
+
+    @property
+    def timing(self) -> Timing:
+        """What the units need to start, `boot_time`, passes in the model."""
+        return replace(super().timing, boot_time=0.0)
+
+    @property
+    def measured(self) -> Collection[Address]:
+        """The analog outputs (5.1)."""
+        return [address for address in self.objects if address[0] in ANALOG_OUTPUTS]
+
+    @property
     def node_id(self) -> int:
         """Parameter 427 in force, or as the next start finds it."""
         return self.units.node_id
@@ -99,11 +118,6 @@ class Device(device.Device):
     def rest(self) -> float:
         """Until the next main cycle of a unit, or the next telegram between them."""
         return self.system.rest
-
-    @property
-    def bit_rate(self) -> int:
-        """Parameter 426 (7.2.2)."""
-        return self.units.parameters[CANOPEN_BAUDRATE] * 1000
 
     @property
     def objects(self) -> Mapping[Address, Object]:
@@ -149,7 +163,8 @@ class Device(device.Device):
     def pdos(self, slave: Slave) -> Iterable[Service]:
         """What is sent and when is the governor's business (4); it comes with all traffic."""
         partner = self.units.parameters[PARTNER_NODE]
-        traffic = Traffic(slave, self.system, partner, self.units.disturbance)
+        measured = self.measured if self.timing.measures else ()
+        traffic = Traffic(slave, self.system, partner, self.units.disturbance, measured)
         traffic.begin()
         yield traffic
 

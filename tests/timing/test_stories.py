@@ -1,0 +1,67 @@
+"""Shipped scenarios at nodes that take their time.
+
+All of them are played with `typical` and with `worst`, which takes about 10 s of a processor each:
+the frames of most are few. What has to be seen may come later by all that the preset allows a node,
+and measured values may be off by their noise; everything else is as the file says. A story that is
+about times themselves is an exception, with its reason.
+"""
+
+from dataclasses import replace
+
+import pytest
+from played import SCENARIOS
+
+from canopen_twins.device.timing import PRESETS
+from canopen_twins.scenario import load, play
+from canopen_twins.scenario.actions import Expectation, Read
+from canopen_twins.scenario.matchers import AnyFrame, Holds
+from canopen_twins.scenario.scenario import NodeSpec
+from canopen_twins.scenario.values import Range
+
+EXCEPTIONS = {}
+
+
+def grown(wanted, measured, noise):
+    return tuple(
+        (target, replace(value, low=value.low - noise, high=value.high + noise))
+        if isinstance(value, Range) and target.address in measured
+        else (target, value)
+        for target, value in wanted
+    )
+
+
+def patient(action, measured, timing):
+    """The same, with room for a node that takes its time."""
+    if isinstance(action, Read):
+        return replace(action, uploads=grown(action.uploads, measured, timing.noise))
+    if not isinstance(action, Expectation):
+        return action
+    matcher = action.matcher
+    if isinstance(matcher, Holds):
+        matcher = replace(matcher, wanted=grown(matcher.wanted, measured, timing.noise))
+    if action.never or isinstance(matcher, AnyFrame) or action.seconds is None:
+        return replace(action, matcher=matcher)
+    answer = 3 * (timing.answer_time + timing.answer_jitter)
+    late = timing.boot_time + answer + timing.store_time + timing.measure_time
+    return replace(action, matcher=matcher, within=action.seconds + late)
+
+
+def slowed(path, preset):
+    scenario = load(path)
+    nodes = {
+        name: NodeSpec(spec.device, {"timing": preset, **spec.settings})
+        for name, spec in scenario.nodes.items()
+    }
+    measured = {address for spec in nodes.values() for address in spec.create().measured}
+    steps = [
+        replace(step, action=patient(step.action, measured, PRESETS[preset]))
+        for step in scenario.steps
+    ]
+    return replace(scenario, nodes=nodes, steps=tuple(steps))
+
+
+@pytest.mark.parametrize("preset", ["typical", "worst"])
+@pytest.mark.parametrize("path", SCENARIOS, ids=lambda path: path.stem)
+def test_a_story_that_is_not_about_times_comes_out_as_told(path, preset):
+    verdict = play(slowed(path, preset))
+    assert verdict.ok is (path.stem not in EXCEPTIONS.get(preset, {})), str(verdict)
