@@ -12,6 +12,7 @@ from canopen_twins.bus.identifiers import NODE_IDS
 from canopen_twins.device.chart import Chart
 from canopen_twins.device.faults import Fault
 from canopen_twins.device.settings import NodeSettings, changed
+from canopen_twins.device.timing import PRESETS, Timing, timing_of
 from canopen_twins.errors import UserError
 from canopen_twins.files.shipped import od_file
 from canopen_twins.slave.dictionary import dictionary
@@ -67,6 +68,8 @@ class Device:
     profile: Profile = Profile()
     cycle: float = 0.01
     """Seconds between two steps, whole microseconds."""
+    timings: ClassVar[Mapping[str, Timing]] = PRESETS
+    """What the presets of `timing` are; a class names its own where its maker tells them."""
 
     def __init__(self, **given: object) -> None:
         self.memory = Memory()
@@ -91,6 +94,16 @@ class Device:
     def node_id(self) -> int:
         """The node id to boot with; asked at power-on and at every reset."""
         return int(self.settings.node_id)
+
+    @property
+    def bit_rate(self) -> int | None:
+        """In force, in bit/s; none if it has none, or one that never is wrong."""
+        return None
+
+    @property
+    def timing(self) -> Timing:
+        """How long it takes for things; asked at power-on and at every reset."""
+        return timing_of(self.settings, self.timings)
 
     @property
     def online(self) -> bool:
@@ -119,6 +132,11 @@ class Device:
     def objects(self) -> Mapping[Address, Object]:
         """The entries that act on the model."""
         return {}
+
+    @property
+    def measured(self) -> Collection[Address]:
+        """The entries whose values are measured: they have a refresh cycle, and noise."""
+        return ()
 
     @property
     def stored(self) -> Collection[Address]:

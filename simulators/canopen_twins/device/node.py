@@ -10,6 +10,7 @@ from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.wire import Outbox, Wire, through
 from canopen_twins.device.device import Device
 from canopen_twins.device.faults import Faults
+from canopen_twins.device.timing import request_buffer
 from canopen_twins.errors import UserError
 from canopen_twins.slave.emcy import EmcyLog, EmcyProducer
 from canopen_twins.slave.nmt import HeartbeatConsumer, HeartbeatProducer, Nmt, Reset
@@ -121,12 +122,14 @@ def _bind(slave: Slave, device: Device) -> None:
 
 def _services(slave: Slave, device: Device, log: EmcyLog) -> Iterator[Service]:
     """Those that nobody but the bus asks for anything, in the order in which they speak."""
+    timing = device.timing
     yield HeartbeatConsumer(slave, device.on_heartbeat)
-    yield SdoServer(slave)
+    yield SdoServer(slave, request_buffer(slave, timing))
     yield Sync(slave)
     yield from device.pdos(slave)
     yield EmcyProducer(slave, log, lambda: device.emergencies, device.farewell)
-    yield Store(slave, device.memory, device.stored, device)
+    busy_time = timing.store_time if timing.store_refuses else 0.0
+    yield Store(slave, device.memory, device.stored, device, busy_time)
     yield from device.services(slave)
 
 
@@ -147,6 +150,7 @@ class Node:
         self.powered = False
         self._stack: Stack | None = None  # none: silent, whatever the reason
         self._before: Slave | None = None
+        self._booting: Timer | None = None  # the end of the boot time, while it lasts
         self._afresh = True  # the next boot is one of the application, not of communication alone
         self.log = EmcyLog()
         self.listeners: list[Callable[[State], None]] = [device.on_state]  # hear of every state
@@ -164,6 +168,11 @@ class Node:
     def state(self) -> State:
         """The NMT state; Initialisation also means silence, whatever its reason."""
         return State.INITIALISING if self._stack is None else self._stack.state
+
+    @property
+    def booting(self) -> bool:
+        """Whether it is silent because it takes its time to boot."""
+        return self._booting is not None
 
     @property
     def node_id(self) -> int:
@@ -286,7 +295,9 @@ class Node:
         stack = self._stack
         if stack is None:
             if self.device.online:
-                self._boot()
+                self._start()
+            else:
+                self._stop_booting()
         elif not self.device.online:
             self._fall_silent()
             self._afresh = True
@@ -303,7 +314,28 @@ class Node:
         else:
             self.device.reset_communication()
         if self.device.online:
+            self._start()
+
+    def _start(self) -> None:
+        """Boot when the boot time is over."""
+        if self._booting is not None:
+            return
+        if boot_time := self.device.timing.boot_time:
+            self._booting = self.clock.after(boot_time, self._end_booting)
+        else:
             self._boot()
+
+    def _end_booting(self) -> None:
+        self._booting = None
+        self._catch_up()
+        if self.device.online:
+            self._boot()
+        self._settle()
+
+    def _stop_booting(self) -> None:
+        if self._booting is not None:
+            self._booting.cancel()
+            self._booting = None
 
     def _boot(self) -> None:
         """A fresh slave from the EDS and the stored parameters."""
@@ -320,6 +352,7 @@ class Node:
         self._stack.boot_up()
 
     def _fall_silent(self) -> None:
+        self._stop_booting()
         if self._stack is not None:
             self._before = self._stack.slave
             self._stack.close()

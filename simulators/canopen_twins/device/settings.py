@@ -103,7 +103,44 @@ def _choice(name: str, value: object, choices: tuple[object, ...]) -> object:
 
 
 @dataclass(frozen=True)
-class NodeSettings:
+class TimingSettings:
+    """Times of a real device, all assumed (docs/reference/timing.md).
+
+    None is for what the preset says; see `canopen_twins.device.timing`.
+    """
+
+    timing: Literal["ideal", "typical", "worst"] = setting(
+        "ideal", "preset of the times below that are none; `run` on a bus has typical"
+    )
+    boot_time: float | None = setting(
+        None, "from power-on, 81h and 82h to the boot-up message", unit="s", low=0
+    )
+    answer_time: float | None = setting(
+        None, "from an SDO request to its answer", unit="s", low=0, high=60
+    )
+    answer_jitter: float | None = setting(
+        None, "added to the answer time at most, by seed", unit="s", low=0, high=60
+    )
+    busy_request: Literal["overwrites", "waits"] = setting(
+        "overwrites", "what a request does when one is answered and another waits already"
+    )
+    store_time: float | None = setting(
+        None, "for which 0x1010 and 0x1011 are busy", unit="s", low=0, high=3600
+    )
+    store_busy: Literal["late", "refuses"] = setting(
+        "late", "answered when it is stored, or at once and refused (06060000h) meanwhile"
+    )
+    measure_time: float | None = setting(
+        None, "from one measured value to the next", unit="s", low=0, high=3600
+    )
+    noise: float | None = setting(
+        None, "of measured values, up and down", unit="digits of the object", low=0
+    )
+    seed: int = setting(0, "of noise and jitter")
+
+
+@dataclass(frozen=True)
+class NodeSettings(TimingSettings):
     """The settings that every device has."""
 
     node_id: int = setting(1, "node id the device is delivered with, 1..127")

@@ -112,7 +112,10 @@ def _unanswered(view: View, request: Request) -> str:
     if len(request.frame.data) != sdo.LENGTH:
         length = f"a request has {sdo.LENGTH} bytes, not {len(request.frame.data)}"
         return f"not answered: {length}{view.service('sdo')}"
-    unable = view.unable(request.record.time, SdoServer.active_in, "SDO")
+    time = request.record.time
+    if logged := view.refusal(request.frame, time, request.until):
+        return f"not answered: {logged.words}{view.service('sdo')}"
+    unable = view.unable(time, SdoServer.active_in, "SDO")
     return f"not answered: {unable}" if unable else ""
 
 

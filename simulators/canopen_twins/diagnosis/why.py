@@ -51,7 +51,9 @@ def _silence(node: Node, view: View) -> str:
     if not node.powered:
         return "the node is silent: its supply is off"
     if node.slave is None:
-        reason = node.device.silence or "it has not booted"
+        time = f"{node.device.timing.boot_time:g} s (boot_time)"
+        booting = f"it boots, which takes {time}" if node.booting else "it has not booted"
+        reason = node.device.silence or booting
         return f"the node is silent: {reason}{view.service('silence')}"
     if node.slave.shut:
         reason = node.device.silence or "it has shut itself off for a while"

@@ -8,6 +8,7 @@ from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.sdo import Ccs, Scs, Sub
 from canopen_twins.slave.object import Abort, Entry, Rejected
 from canopen_twins.slave.profile import Profile
+from canopen_twins.slave.request_buffer import RequestBuffer
 from canopen_twins.slave.service import Listening, Service, State
 from canopen_twins.slave.slave import Slave
 
@@ -24,6 +25,10 @@ class Transfer:
     def continues(self, command: int) -> bool:
         """Whether a request with this command byte belongs to the transfer."""
         raise NotImplementedError
+
+    def is_silent(self, data: bytes) -> bool:
+        """Whether such a request has no answer of its own, and does not wait for its turn."""
+        return False
 
     def answer(self, data: bytes) -> Sequence[bytes]:
         """What to say to such a request.
@@ -213,6 +218,11 @@ class BlockDownload(Transfer):
             return command >> 5 == Ccs.BLOCK_DOWNLOAD and command & 3 == Sub.END
         return command != sdo.ABORT
 
+    def is_silent(self, data: bytes) -> bool:
+        """All segments of a block but the last one."""
+        last = data[0] & sdo.LAST_OF_BLOCKS or sdo.block_number(data) == sdo.LONGEST_BLOCK
+        return not self._complete and data[0] != sdo.ABORT and not last
+
     def answer(self, data: bytes) -> Sequence[bytes]:
         """Confirm a block when its last segment is there, and the transfer at its end."""
         if self._complete:
@@ -327,8 +337,10 @@ class SdoServer(Service):
 
     active_in = frozenset({State.PRE_OPERATIONAL, State.OPERATIONAL})
 
-    def __init__(self, slave: Slave) -> None:
+    def __init__(self, slave: Slave, buffer: RequestBuffer | None = None) -> None:
+        """Without a buffer every request is answered at once."""
         super().__init__(slave)
+        self._buffer = buffer
         self._offered = offered(slave.profile)
         self._aborts = LITERAL_ABORTS if slave.profile.literal_commands else ABORTS
         self._transfer: Transfer | None = None
@@ -338,12 +350,23 @@ class SdoServer(Service):
 
     def listen(self) -> Listening:
         """Requests on the one fixed identifier."""
-        yield (identifiers.sdo_request(self.slave.node_id), False), self.on_request
+        handle = self.on_request if self._buffer is None else self._take
+        yield (identifiers.sdo_request(self.slave.node_id), False), handle
 
     def on_state(self, state: State) -> None:
         """A transfer does not outlive the states that know SDO."""
         if state not in self.active_in:
             self._close()
+            if self._buffer is not None:
+                self._buffer.clear()
+
+    def _take(self, frame: Frame) -> None:
+        """Wait for its turn, unless nobody waits for an answer; an empty frame is no request."""
+        silent = self._transfer is not None and self._transfer.is_silent(frame.data)
+        if self._buffer is None or silent or len(frame.data) != sdo.LENGTH:
+            self.on_request(frame)
+        else:
+            self._buffer.take(frame, self.on_request)
 
     def on_request(self, frame: Frame) -> None:
         """Answer, unless the frame is none of ours or the client has given up."""

@@ -3,6 +3,7 @@
 import logging
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
+from math import inf
 from typing import Protocol
 
 from canopen_twins.slave.memory import Memory
@@ -32,12 +33,20 @@ class Store(Service):
     """Keeps the values of some entries in a memory when the master says so."""
 
     def __init__(
-        self, slave: Slave, memory: Memory, kept: Collection[Address], keeper: Keeper
+        self,
+        slave: Slave,
+        memory: Memory,
+        kept: Collection[Address],
+        keeper: Keeper,
+        busy_time: float = 0.0,
     ) -> None:
+        """`busy_time`: seconds for which both commands are refused after each."""
         super().__init__(slave)
         self._memory = memory
         self._kept = kept
         self._keeper = keeper
+        self._busy_time = busy_time
+        self._free = -inf  # seconds of the clock
 
     @property
     def objects(self) -> Mapping[Address, Object]:
@@ -58,18 +67,22 @@ class Store(Service):
         with _writing():
             self._memory.store(SECTION, data)
             self._keeper.save()
+        self._free = self.slave.clock.now + self._busy_time
 
     def _restore(self, signature: int) -> None:
         self._check(signature, LOAD)
         with _writing():
             self._memory.store(SECTION, {})
             self._keeper.restore()
+        self._free = self.slave.clock.now + self._busy_time
         if self.slave.profile.restore_at_once:
             for entry in (self.slave.entry(*address) for address in self._kept):
                 self.slave.write(entry, entry.initial)
 
     def _check(self, signature: int, expected: int) -> None:
         profile = self.slave.profile
+        if self.slave.clock.now < self._free:
+            raise Rejected("it is still storing (store_time)", Abort.HARDWARE)
         if profile.store_signature and signature != expected:
             raise Rejected(f"{signature:08X}h is not the signature", profile.store_code)
 

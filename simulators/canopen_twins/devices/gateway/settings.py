@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from canopen_twins.device.settings import setting
+from canopen_twins.device.settings import TimingSettings, setting
 
 
 @dataclass(frozen=True)
-class Settings:
+class Settings(TimingSettings):
     """What can be chosen of a governor with its gateway, and of the engine it governs."""
 
     # parameters
