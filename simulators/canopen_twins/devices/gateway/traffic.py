@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
 
-from canopen_twins.bus import identifiers
+from canopen_twins.bus import identifiers, sdo
 from canopen_twins.bus.frame import Frame
 from canopen_twins.devices.gateway.model.canopen_side import BootUp, Heartbeat, Sent, TpdoFrame
 from canopen_twins.devices.gateway.model.state import GatewayState
@@ -60,6 +60,7 @@ class Traffic(Service):
         """RPDOs that are active, and the watched partner."""
         for number, identifier in self._rpdos.items():
             yield (identifier, False), partial(self._on_rpdo, number)
+        yield (identifiers.sdo_request(self.slave.node_id), False), self._on_sdo_request
         if self._partner in identifiers.NODE_IDS:
             yield (identifiers.heartbeat(self._partner), False), self._on_partner
 
@@ -89,6 +90,10 @@ class Traffic(Service):
         if number == 1 and len(words) > FLAG_WORD:
             words[FLAG_WORD] |= sum(1 << (channel - 1) for channel in self._disturbance.flagged)
         self._system.receive_rpdo(number, tuple(words))
+
+    def _on_sdo_request(self, frame: Frame) -> None:
+        if len(frame.data) == sdo.LENGTH and frame.data[0] != sdo.ABORT:
+            self._system.sdo_request()
 
     def _on_partner(self, frame: Frame) -> None:
         if len(frame.data) == 1 and not self._disturbance.partner:  # A-29
