@@ -1,6 +1,7 @@
 import pytest
 
-from canopen_twins.devices.gateway.model.engine import NEXT, Engine, Mode
+from canopen_twins.devices.gateway.model.engine import Engine
+from canopen_twins.devices.gateway.model.speed_governor import NEXT, Mode
 
 CYCLE = 0.015625
 
@@ -28,12 +29,7 @@ class Genset:
 def standing(plain):
     """A genset that is not started yet."""
 
-    def build():
-        rig = plain()
-        rig.governor.operation.run = False
-        return rig
-
-    genset = Genset(build)
+    genset = Genset(plain)
     genset.operation.local_setpoint = 700
     return genset
 

@@ -1,6 +1,7 @@
 """Heinzmann governor behind its CANopen gateway (manual DG 04 005-e / 07-04): two control units."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
 from canopen import ObjectDictionary
 
@@ -8,6 +9,7 @@ from canopen_twins.device import device
 from canopen_twins.device.chart import Chart
 from canopen_twins.device.device import Message
 from canopen_twins.device.faults import Fault
+from canopen_twins.device.timing import Timing
 from canopen_twins.devices.gateway import delivery
 from canopen_twins.devices.gateway.chart import chart
 from canopen_twins.devices.gateway.faults import faults
@@ -91,6 +93,11 @@ class Device(device.Device):
     def node_id(self) -> int:
         """Parameter 427 in force, or as the next start finds it."""
         return self.units.node_id
+
+    @property
+    def timing(self) -> Timing:
+        """As of every device; but it is the units that take their time to boot (9.3)."""
+        return replace(super().timing, boot_time=0.0)
 
     @property
     def online(self) -> bool:

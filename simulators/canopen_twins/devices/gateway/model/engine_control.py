@@ -1,4 +1,4 @@
-"""Everything of a governor's main cycle that has to do with the engine. Assumed (A-47, A-55 to A-58)."""
+"""What a main cycle of the governor does with the engine. Assumed (A-47, A-55 to A-58)."""
 
 from collections.abc import Callable, Mapping
 
@@ -19,7 +19,7 @@ OPENING = 0.7  # of the closing speed, below which the generator breaker opens (
 
 
 class GeneratorBreaker:
-    """Lets the consumers on to an engine that is fast enough, and takes them off one that is not."""
+    """Lets the consumers on to an engine that is fast enough, and takes them off one too slow."""
 
     def __init__(self, engine: Engine, operation: Operation, cycle: float) -> None:
         self._engine, self._operation, self._cycle = engine, operation, cycle
@@ -91,22 +91,19 @@ MEASUREMENT = 2000  # sensor 900+s is shown as 2900+s
 class EngineControl:
     """Acts on the engine as errors, switch functions and sensors allow and demand."""
 
-    def __init__(  # noqa: PLR0913 - what a main cycle has to do with
+    def __init__(
         self,
         engine: Engine,
         operation: Operation,
         inputs: Inputs,
         scaling: Scaling,
-        cycle: float,
-        pick_up: Callable[[], float],
-        *,
-        caught: bool,
+        governor: SpeedGovernor,
     ) -> None:
         self._engine, self._operation, self._inputs = engine, operation, inputs
-        self._scaling, self._pick_up = scaling, pick_up
-        self.speed = SpeedGovernor(engine, operation, cycle, caught=caught)
-        self._breaker = GeneratorBreaker(engine, operation, cycle)
-        self._alarms = Alarms(cycle)
+        self._scaling = scaling
+        self.speed = governor
+        self._breaker = GeneratorBreaker(engine, operation, governor.cycle)
+        self._alarms = Alarms(governor.cycle)
 
     def step(self, present: int) -> None:
         """One main cycle; bit k of `present`: error 3000+k is reported."""
@@ -159,7 +156,7 @@ class EngineControl:
         """What the governor measures, in the units of the parameters."""
         engine = self._engine
         return {
-            2000: self._pick_up,
+            2000: lambda: engine.speed,
             2031: lambda: self.speed.setpoint,
             2300: lambda: 100 * engine.position,
             2330: lambda: 100 * engine.fuel,

@@ -26,11 +26,12 @@ from canopen_twins.devices.gateway.model.heinzmann_can import (
 from canopen_twins.devices.gateway.model.inputs import Inputs
 from canopen_twins.devices.gateway.model.noise import Noise
 from canopen_twins.devices.gateway.model.parameters import Unit
-from canopen_twins.devices.gateway.model.speed_governor import RELEASE_SPEED, Operation
+from canopen_twins.devices.gateway.model.speed_governor import Operation, SpeedGovernor
 from canopen_twins.devices.gateway.model.state import GatewayState
 from canopen_twins.devices.gateway.model.timing import microseconds
 from canopen_twins.devices.gateway.model.unit import ControlUnit, Programme, Surroundings, Tables
 
+SPEED = 2000  # as the pick-up measures it
 SERVED = (Phase.PREOP, Phase.RUN)  # TPDO counters run from the command Pre-Operational
 
 
@@ -54,16 +55,11 @@ class GovernorProgramme(Programme):
         self.inputs = Inputs(settings, cycle)
         self._noise = noise
         engine.run_to(self.time.now)
-        self.control = EngineControl(
-            engine,
-            operation,
-            self.inputs,
-            scaling,
-            cycle / 1_000_000,
-            self._pick_up,
-            caught=engine.speed >= RELEASE_SPEED and (operation.autostart or not unit.cold),
+        governor = SpeedGovernor(
+            engine, operation, cycle / 1_000_000, catches=operation.autostart or not unit.cold
         )
-        self.live |= self.control.measurements
+        self.control = EngineControl(engine, operation, self.inputs, scaling, governor)
+        self.live |= self.control.measurements | {SPEED: self._pick_up}
         self._tpdos = tpdos(settings, scaling, cycle)
         self._words = {
             tpdo.number: [(self._reader(n), scaling.of(n)) for n in tpdo.sources.values()]

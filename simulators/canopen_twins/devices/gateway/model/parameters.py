@@ -181,7 +181,7 @@ class Store:
     def __init__(self, parameters: Mapping[int, Parameter]) -> None:
         self._defaults = {n: each.default for n, each in parameters.items() if each.writable}
         self._edited: dict[int, float] = {}
-        self._effective: Mapping[int, float] = dict(self._defaults)
+        self._effective = dict(self._defaults)
         self._damaged = False  # what was saved could not be read at the last start
         self.saved: dict[int, float] = {}
         """What is kept without power, where it differs from the default."""
@@ -200,13 +200,13 @@ class Store:
 
     def deliver(self, values: Mapping[int, float]) -> None:
         """Keep values as if they had been saved before; they act after a reset."""
-        self._keep(self.saved | values)
+        self._keep({**self.saved, **values})
 
-    def _keep(self, values: Mapping[int, float]) -> None:
+    def _keep(self, values: dict[int, float]) -> None:
         self.saved = {n: values[n] for n in sorted(values) if values[n] != self._defaults[n]}
 
     @property
-    def _found(self) -> Mapping[int, float]:
+    def _found(self) -> dict[int, float]:
         return {} if self._damaged else self.saved
 
     def load(self, *, damaged: bool = False) -> None:

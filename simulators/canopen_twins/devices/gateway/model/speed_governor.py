@@ -75,10 +75,14 @@ class Operation:
 
 
 class SpeedGovernor:
-    """Acts on the engine once per main cycle; `caught`: it turns already, and is governed on."""
+    """Acts on the engine once per main cycle."""
 
-    def __init__(self, engine: Engine, operation: Operation, cycle: float, *, caught: bool) -> None:
-        self._engine, self._operation, self._cycle = engine, operation, cycle
+    def __init__(
+        self, engine: Engine, operation: Operation, cycle: float, *, catches: bool = False
+    ) -> None:
+        """`catches`: an engine that turns is governed on, not left to run down (A-54)."""
+        self._engine, self._operation, self.cycle = engine, operation, cycle
+        caught = catches and engine.speed >= RELEASE_SPEED
         self.mode = Mode.STOPPED
         if engine.turning:
             self.mode = Mode.RUNNING if caught else Mode.STOPPING
@@ -125,11 +129,11 @@ class SpeedGovernor:
         met = [Condition.START if self._wanted(tripped) else Condition.STOP]
         if speed >= RELEASE_SPEED:
             met.append(Condition.FIRED)
-        elif mode is Mode.CRANKING and self._passed * self._cycle >= CRANK_TIME:
+        elif mode is Mode.CRANKING and self._passed * self.cycle >= CRANK_TIME:
             self._attempts += 1
             last = self._attempts == ATTEMPTS
             met.append(Condition.GIVEN_UP if last else Condition.TIME_OUT)
-        elif mode is Mode.RESTING and self._passed * self._cycle >= REST_TIME:
+        elif mode is Mode.RESTING and self._passed * self.cycle >= REST_TIME:
             met.append(Condition.RESTED)
         elif speed < STALL_SPEED:
             met.append(Condition.STALLED)
@@ -146,7 +150,7 @@ class SpeedGovernor:
         return operation.run and self._armed
 
     def _govern(self, target: float, droop: float) -> float:
-        step = RAMP * self._cycle
+        step = RAMP * self.cycle
         target = min(max(IDLE_SPEED, target), self._operation.highest_speed)
         self.setpoint += min(max(-step, target - self.setpoint), step)
         fall = droop * RATED_SPEED * self._engine.power / RATED_POWER
@@ -156,11 +160,11 @@ class SpeedGovernor:
     def _pid(self, deviation: float) -> float:
         before = deviation if self._deviation is None else self._deviation
         self._deviation = deviation
-        slope = (deviation - before) / self._cycle
-        self._derivative += (slope - self._derivative) * self._cycle / DERIVATIVE_FILTER
+        slope = (deviation - before) / self.cycle
+        self._derivative += (slope - self._derivative) * self.cycle / DERIVATIVE_FILTER
         wanted = GAIN * (deviation + DERIVATIVE_TIME * self._derivative) + self._integral
         fuel = min(max(0.0, wanted), 1.0)
         if fuel == wanted or (wanted > fuel) == (deviation < 0):  # anti-windup
-            integral = self._integral + GAIN * deviation / INTEGRAL_TIME * self._cycle
+            integral = self._integral + GAIN * deviation / INTEGRAL_TIME * self.cycle
             self._integral = min(max(0.0, integral), 1.0)
         return fuel
