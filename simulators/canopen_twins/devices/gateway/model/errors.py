@@ -22,6 +22,7 @@ INTERN = 3094
 # of the engine (A-57, A-58)
 OIL_WARNING, OIL_STOP, AIR_WARNING, AIR_STOP = range(3030, 3034)
 START_FAILED, UNDERSPEED, STALLED = range(3034, 3037)
+OF_ENGINE = range(OIL_WARNING, STALLED + 1)
 STOPPING = (OVERSPEED, OIL_STOP, AIR_STOP, START_FAILED, STALLED)
 """The engine is stopped, and does not start before they are cleared."""
 

@@ -168,7 +168,13 @@ class Governor(ControlUnit[GovernorProgramme]):
     """The control unit, with the engine."""
 
     which, partner = Unit.GOVERNOR, Unit.GATEWAY
-    inner_faults = (errors.PICK_UP, errors.OVERSPEED, *errors.SENSORS, errors.INTERN)
+    inner_faults = (
+        errors.PICK_UP,
+        errors.OVERSPEED,
+        *errors.SENSORS,
+        *errors.OF_ENGINE,
+        errors.INTERN,
+    )
 
     def __init__(self, around: Surroundings, engine: Engine) -> None:
         super().__init__(around, microseconds(around.options.governor_cycle))
