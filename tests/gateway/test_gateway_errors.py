@@ -29,10 +29,10 @@ def test_table_2_gives_every_error_its_bit():
 def test_a_low_supply_is_told_counted_and_gone_by_itself(plain):
     rig = plain().operational()
     for times in (1, 2):
-        rig.gateway.desk.show("PowerSupply", 7.4)
+        rig.gateway.feed(7.4)
         rig.run(0.1)
         assert (rig.gateway.desk.read(3085), rig.gateway.desk.read(3185)) == (1, times)
-        rig.gateway.desk.show("PowerSupply", 7.5)
+        rig.gateway.feed(7.5)
         rig.run(0.1)
         assert (rig.gateway.desk.read(3085), rig.gateway.desk.read(3185)) == (0, times)
     assert rig.system.state is GatewayState.OPERATIONAL
