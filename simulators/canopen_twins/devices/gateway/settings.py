@@ -49,6 +49,12 @@ class Settings(TimingSettings):
         "heartbeat", "what the monitoring of the partner begins with", assumed="A-19"
     )
 
+    busy_request: Literal["overwrites", "waits"] = setting(
+        "waits",
+        "an SDO request while others are answered: the 33rd that waits is an overflow",
+        assumed="A-60",
+    )
+
     # the engine
     load: float = setting(0.0, "what the consumers draw", unit="kW", live=True, low=0)
     run: bool = setting(
