@@ -154,6 +154,11 @@ class Device:
         return {}
 
     @property
+    def has_emergencies(self) -> bool:
+        """Whether it has any at all, so that one of them can go wrong."""
+        return True
+
+    @property
     def messages(self) -> Mapping[str, Message]:
         """What a master can be told, by the names of the manual and in its order."""
         return {}

@@ -134,6 +134,11 @@ class Device(device.Device):
         return emergencies(self.system, self.node_id) if wanted else ()
 
     @property
+    def has_emergencies(self) -> bool:
+        """Only with the extension (A-01)."""
+        return self.settings.emcy == "assumed"
+
+    @property
     def messages(self) -> Mapping[str, Message]:
         """The bits of 2005h."""
         return MESSAGES
