@@ -52,7 +52,7 @@ class Proof(NamedTuple):
 
 def shipped() -> list[str]:
     """The devices of this project, whatever else is installed."""
-    return sorted(module.name for module in iter_modules(devices.__path__))
+    return sorted({module.name for module in iter_modules(devices.__path__)} - {devices.OF_FILES})
 
 
 def proofs() -> tuple[Proof, ...]:

@@ -64,7 +64,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     """A fixture for each device that is there."""
     fixtures = ModuleType("canopen_twins_devices")
-    shipped = (package.parent.name for package in DEVICES.glob("*/__init__.py"))
+    folders = (package.parent.name for package in DEVICES.glob("*/__init__.py"))
+    shipped = (name for name in folders if name != "eds")  # which is of files
     for name in sorted({*shipped, *(each.name for each in entry_points(group=GROUP))}):
         setattr(fixtures, name, _device_fixture(name))
     config.pluginmanager.register(fixtures, fixtures.__name__)

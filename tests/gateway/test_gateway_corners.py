@@ -239,8 +239,8 @@ def test_two_thousand_requests_in_no_time_are_too_many():
 
 
 @pytest.mark.spec("G-150")
-@pytest.mark.parametrize(("count", "stopped"), [(32, False), (33, True)])
-def test_thirty_two_answers_may_wait(count, stopped):
+@pytest.mark.parametrize(("count", "stopped"), [(33, False), (34, True)])
+def test_thirty_two_requests_may_wait_for_the_one_that_is_answered(count, stopped):
     bench, sent = burst(count, answer_time=0.002)
     assert (bench.device.report["state"] == "Stopped") is stopped
     assert len(heard(sent, "581")) == (0 if stopped else count)

@@ -8,8 +8,6 @@ READ = "605#4000100000000000"
 
 @pytest.fixture(params=["topcon", "charger", "tests/probe.eds"])
 def slow(request):
-    if request.param == "topcon":
-        pytest.skip("its own boot_time is that of the unit")
     return Bench(request.param, node_id=5, boot_time=0.5)
 
 

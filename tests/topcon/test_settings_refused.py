@@ -20,7 +20,7 @@ from canopen_twins import Bench, UserError
         ({"serial": 1 << 32}, "setting 'serial' is 0 to 4294967295, not 4294967296"),
         ({"hardware_version": "V4.ü"}, "setting 'hardware_version' is ASCII text"),
         ({"firmware": "Ω"}, "setting 'firmware' is ASCII text"),
-        ({"boot_time": -1}, "setting 'boot_time' is 0 or more, not -1"),
+        ({"ready_time": -1}, "setting 'ready_time' is 0 or more, not -1"),
         ({"noise": -1}, "setting 'noise' is 0 or more, not -1"),
         ({"quiet_time": -1}, "setting 'quiet_time' is 0 or more, not -1"),
         ({"ambient": -300}, "setting 'ambient' is -273 or more, not -300"),
@@ -48,7 +48,7 @@ def test_a_wrong_setting_is_refused_in_one_line(settings, message):
     assert "\n" not in str(refusal.value)
 
 
-@pytest.mark.parametrize("name", ["firmware", "serial", "unit", "boot_time", "run_while_error"])
+@pytest.mark.parametrize("name", ["firmware", "serial", "unit", "ready_time", "run_while_error"])
 def test_what_belongs_to_the_unit_cannot_change_while_it_runs(topcon, name):
     with pytest.raises(UserError, match=f"setting '{name}' is taken over at power-on only"):
         topcon.set(**{name: getattr(topcon.device.settings, name)})

@@ -7,7 +7,7 @@ from .bus import run, state_of_output
 
 @pytest.mark.spec("A-78")
 def test_run_works_once_the_unit_has_booted():
-    bench = Bench("topcon", node_id=5, boot_time=2.0)
+    bench = Bench("topcon", node_id=5, ready_time=2.0)
     assert bench.sent == ["705#00"]  # the card does not wait for the unit
     run(bench, voltage=2000)
     bench.run(1.9)

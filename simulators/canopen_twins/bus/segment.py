@@ -89,6 +89,8 @@ class Segment(Generic[AnyEnd]):
 
     def __init__(self) -> None:
         self.clock = Clock()
+        self.bit_rate: int | None = None
+        """In bit/s; who has another one neither hears nor is heard. None: nobody looks."""
         self.nodes: list[AnyEnd] = []
         self.listeners: list[Listener] = []
         self.masters: list[Listener] = []
@@ -99,6 +101,7 @@ class Segment(Generic[AnyEnd]):
 
     def limit(self, bit_rate: int) -> None:
         """Let frames take their time from now on, at so many bit/s; else they take none."""
+        self.bit_rate = bit_rate
         self._bus = Arbitration(self.clock, bit_rate)
 
     @property
@@ -138,8 +141,13 @@ class Segment(Generic[AnyEnd]):
         arrived = self.outbox if self._bus is None else self._bus.arrived
         while arrived:
             sender, frame = arrived.popleft()
+            nodes = self.nodes
+            if self.bit_rate is not None:
+                if not self._fits(sender, frame):
+                    continue
+                nodes = self._hearing(sender, frame)
             try:
-                for node in self.nodes:
+                for node in nodes:
                     if node.wire is not sender:
                         node.receive(frame)
             finally:
@@ -148,7 +156,23 @@ class Segment(Generic[AnyEnd]):
                 for master in self.masters:
                     master(frame, sender.name)
         if self._bus is not None:
-            self._bus.take(self.outbox)
+            sent = [each for each in self.outbox if self._fits(*each)]
+            self.outbox.clear()
+            self._bus.take(deque(sent))
+
+    def _hearing(self, sender: Wire, frame: Frame) -> list[AnyEnd]:
+        others = [node for node in self.nodes if node.wire is not sender]
+        return [node for node in others if self._fits(node.wire, frame)]
+
+    def _fits(self, wire: Wire, frame: Frame) -> bool:
+        """Whether an end has the bit rate of the bus, now; its log tells which frame it missed."""
+        own = wire.bit_rate()
+        if own is None or own == self.bit_rate:
+            wire.cut_off = ""
+            return True
+        wire.cut_off = f"its bit rate is {own} bit/s, that of the bus {self.bit_rate}"
+        wire.events.add_refusal(frame, wire.cut_off)
+        return False
 
     def advance(self, seconds: float) -> None:
         """Let time pass; frames are delivered at the moment they are sent."""

@@ -112,6 +112,10 @@ class Wire(canopen.Network):
         self.clock = clock
         self.name = name
         self.events = EventLog(clock)
+        self.bit_rate: Callable[[], int | None] = lambda: None
+        """In force, in bit/s; none fits any bus."""
+        self.cut_off = ""
+        """Why nothing gets through in either direction, in words; the segment says so."""
         self.outgoing: list[Filter] = []
         self.incoming: list[Filter] = []
         self.outbox: Outbox = deque() if outbox is None else outbox

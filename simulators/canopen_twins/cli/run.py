@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import logging
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
@@ -26,6 +27,7 @@ from canopen_twins.cli.command import (
 from canopen_twins.cli.results import Announcer, add_recording, add_reports, recording
 from canopen_twins.device.device import Device
 from canopen_twins.device.node import Node
+from canopen_twins.device.settings import TimingSettings
 from canopen_twins.errors import UserError
 from canopen_twins.faults import connect
 from canopen_twins.files.whole import held
@@ -34,6 +36,8 @@ from canopen_twins.live.serve import serve
 from canopen_twins.scenario import Player, Scenario, begin, load_bench
 from canopen_twins.scenario.scenario import NodeSpec
 from canopen_twins.slave.memory import Memory
+
+log = logging.getLogger(__name__)
 
 LISTEN, LISTEN_LONG = 0.3, 1.5  # seconds; on a real bus a heartbeat of a second should be heard
 OF_ONE_DEVICE = ("node-id", "set", "config", "nvram")
@@ -68,6 +72,7 @@ def _run(options: argparse.Namespace, signals: Signals) -> int:
     participants = _participants(options, scenario)
     nodes = {name: connect(segment, device, name) for name, device in participants.items()}
     player = Player(scenario, segment, nodes) if scenario else None
+    _tune(segment, options.bitrate)
     bus = named_bus(options)
     ready = {**_ready(_title(options, scenario), segment), **bus.told}
     with _off_in_the_end(segment):
@@ -80,6 +85,16 @@ def _run(options: argparse.Namespace, signals: Signals) -> int:
                 lambda: print(json.dumps(ready), flush=True),
             )
         return signals.code if player is None else _told(player, announcer, signals)
+
+
+def _tune(segment: Segment[Node], bit_rate: int | None) -> None:
+    """A node that is set to another bit rate than `--bitrate` neither hears nor is heard."""
+    segment.bit_rate = bit_rate
+    for node in segment.nodes:
+        own = node.device.bit_rate
+        if None not in (own, bit_rate) and own != bit_rate:
+            name = node.wire.name
+            log.warning("%s has %d bit/s, the bus %d: they do not meet", name, own, bit_rate)
 
 
 @contextmanager
@@ -171,12 +186,19 @@ def _refuse(options: argparse.Namespace, file: str, names: Iterable[str]) -> Non
 
 
 def _delivered(nodes: Mapping[str, NodeSpec]) -> dict[str, Device]:
-    return {name: spec.create() for name, spec in nodes.items()}
+    return {name: _created(spec) for name, spec in nodes.items()}
+
+
+def _created(spec: NodeSpec, given: Mapping[str, object] | None = None) -> Device:
+    """With the times of a real device, where nobody says otherwise."""
+    timed = isinstance(spec.device.settings, TimingSettings)
+    usual = {"timing": "typical"} if timed else {}
+    return spec.device(**{**usual, **spec.settings, **(given or {})})
 
 
 def _equipped(options: argparse.Namespace, spec: NodeSpec) -> Device:
     """With what the command line has to say, which is the last word."""
-    device = spec.device(**{**spec.settings, **device_settings(options)})
+    device = _created(spec, device_settings(options))
     if options.nvram is not None:
         device.memory = Memory(options.nvram)
     return device

@@ -234,6 +234,9 @@ class Device:
     def on_heartbeat(self, node_id: int, alive: bool) -> None:
         """A node that 0x1016 watches has fallen silent, or is back."""
 
+    def on_request_lost(self) -> None:
+        """An SDO request has found no room among those that wait, where they do."""
+
     def on_rpdo_refused(self, number: int, refusal: Rejected) -> None:
         """An RPDO was too short, or brought a value that an object refused."""
 

@@ -10,6 +10,7 @@ from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.wire import Outbox, Wire, through
 from canopen_twins.device.device import Device
 from canopen_twins.device.faults import Faults
+from canopen_twins.device.measurement import Measurement
 from canopen_twins.device.timing import request_buffer
 from canopen_twins.errors import UserError
 from canopen_twins.slave.emcy import EmcyLog, EmcyProducer
@@ -47,6 +48,9 @@ class Stack:
         self._services = [self._nmt, self._heartbeat, *_services(slave, device, log)]
         slave.on_communication_change = self._on_communication_change
         _bind(slave, device)
+        self.measurement: Measurement | None = None
+        if device.timing.measures:
+            self.measurement = Measurement(slave, device.measured, device.timing, device.cycle)
         for service in self._services:
             slave.bind(service.objects)
 
@@ -124,7 +128,7 @@ def _services(slave: Slave, device: Device, log: EmcyLog) -> Iterator[Service]:
     """Those that nobody but the bus asks for anything, in the order in which they speak."""
     timing = device.timing
     yield HeartbeatConsumer(slave, device.on_heartbeat)
-    yield SdoServer(slave, request_buffer(slave, timing))
+    yield SdoServer(slave, request_buffer(slave, timing, device.on_request_lost))
     yield Sync(slave)
     yield from device.pdos(slave)
     yield EmcyProducer(slave, log, lambda: device.emergencies, device.farewell)
@@ -146,6 +150,7 @@ class Node:
         self.device = device
         self.clock = clock
         self.wire = Wire(clock, outbox, name)
+        self.wire.bit_rate = lambda: self.device.bit_rate if self.powered else None
         self.faults = Faults(device.faults)  # a segment adds those around it
         self.powered = False
         self._stack: Stack | None = None  # none: silent, whatever the reason
@@ -255,12 +260,21 @@ class Node:
             self._settle()
 
     def _catch_up(self) -> None:
-        elapsed = self.clock.ticks - self._stepped
-        if elapsed >= self._cycle:
-            elapsed -= elapsed % self._cycle
-            self._stepped += elapsed
+        stack = self._stack
+        if stack is not None and stack.measurement is not None:
+            due = stack.measurement.due(self.clock.ticks)
+            if due is not None:
+                self._step_to(due)
+                stack.measurement.refresh(due)
+        if self.clock.ticks - self._stepped >= self._cycle:
+            self._step_to(self.clock.ticks)
+
+    def _step_to(self, tick: int) -> None:
+        elapsed = tick - self._stepped
+        if whole := elapsed - elapsed % self._cycle:
+            self._stepped += whole
             step = self.device.step if self.powered else self.device.step_unpowered
-            step(elapsed / MICROSECONDS)
+            step(whole / MICROSECONDS)
 
     def _settle(self) -> None:
         self._follow()
@@ -276,6 +290,8 @@ class Node:
 
     def _arm(self) -> None:
         rest = self.device.rest * MICROSECONDS
+        if self._stack is not None and self._stack.measurement is not None:
+            rest = min(rest, self._stack.measurement.next_refresh - self._stepped)
         wait = max(rest - rest % self._cycle, self._cycle) if isfinite(rest) else inf
         if self._stepped + wait == self._wake:
             return

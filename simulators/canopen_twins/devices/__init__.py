@@ -14,6 +14,7 @@ from canopen_twins.device.device import Device
 from canopen_twins.errors import UserError, unknown
 
 GROUP = "canopen_twins.devices"
+OF_FILES = "eds"  # the package of devices that are described by a file
 FILES = (".eds", ".dcf", ".xdd", ".xdc")
 """Suffixes of files that describe a device."""
 
@@ -39,8 +40,9 @@ def find(name: str, beside: Path | None = None) -> type[Device]:
 
         return eds.device_of((beside or Path()) / name)
     if name not in names():
-        told = unknown("device", name, names())
-        raise UserError(f"{told}; a path to an EDS file is one, too")
+        told = str(unknown("device", name, names()))
+        near = told.endswith("?")
+        raise UserError(told if near else f"{told}; a path to an EDS file is one, too")
     installed = _installed().get(name, ())
     if name in _shipped() and not installed:
         device: type[Device] = import_module(f"{__name__}.{name}").Device
@@ -62,7 +64,7 @@ def create(name: str, **settings: object) -> Device:
 
 @cache
 def _shipped() -> frozenset[str]:
-    return frozenset(module.name for module in iter_modules(__path__)) - {"eds"}
+    return frozenset(module.name for module in iter_modules(__path__)) - {OF_FILES}
 
 
 @cache

@@ -55,6 +55,8 @@ def _silence(node: Node, view: View) -> str:
         booting = f"it boots, which takes {time}" if node.booting else "it has not booted"
         reason = node.device.silence or booting
         return f"the node is silent: {reason}{view.service('silence')}"
+    if node.wire.cut_off:
+        return f"the node neither hears nor is heard: {node.wire.cut_off}{view.service('silence')}"
     if node.slave.shut:
         reason = node.device.silence or "it has shut itself off for a while"
         return f"the node is off the bus: {reason}{view.service('silence')}"

@@ -66,12 +66,14 @@ def read_scenario(path: Path, find: Find) -> Scenario:
 def read_bench(path: Path, find: Find) -> Mapping[str, NodeSpec]:
     """The nodes of a bench file, by their names there; raises as `read_scenario` does."""
     return understand_table(
-        path, schema.BenchFile, lambda file: _take(file.nodes, Participants(find)).specs
+        path,
+        schema.BenchFile,
+        lambda file: _take(file.nodes, Participants(find, timing=file.timing)).specs,
     )
 
 
 def _scenario(file: schema.ScenarioFile, path: Path, find: Find) -> Scenario:
-    participants = Participants(find, file.seed)
+    participants = Participants(find, file.seed, file.timing)
     if file.node is not None:
         participants.take(file.node.device, file.node, file.node.place)
     _take(file.nodes or {}, participants)

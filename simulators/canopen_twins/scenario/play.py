@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable
 from typing import TextIO, TypeVar
 
 from canopen_twins.bench.bench import Bench
-from canopen_twins.bus.clock import Clock
+from canopen_twins.bus.clock import MICROSECONDS, Clock, microseconds
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Record, Segment
 from canopen_twins.device.node import Node
@@ -15,6 +15,7 @@ from canopen_twins.scenario.verdict import Verdict
 
 AnyPlayer = TypeVar("AnyPlayer", bound=Player | None)
 
+GRAIN = 1 / MICROSECONDS
 SLICE = 1.0  # seconds between two reports of progress
 
 
@@ -52,9 +53,25 @@ def begin(
     for attach in observers:
         attach(segment, player)
     if player is not None:
+        _boot_until_zero(segment)
         player.start()
     for node in segment.nodes:
         node.power_on()
+
+
+def _boot_until_zero(segment: Segment[Node]) -> None:
+    """Let power come so long before 0 s that every node boots at 0: there a story begins."""
+    clock, boot_times = segment.clock, {}
+    for node in segment.nodes:
+        if boot_time := microseconds(node.device.timing.boot_time):
+            boot_times[node] = boot_time
+    if not boot_times:
+        return
+    clock.ticks -= max(boot_times.values())
+    for node, boot_time in boot_times.items():
+        clock.at_tick(-boot_time, node.power_on)
+    clock.advance_to(-GRAIN)
+    clock.ticks = 0  # they boot with the next move of the clock, before the first step
 
 
 def print_frames(file: TextIO) -> Callable[[Segment[Node], object], None]:
@@ -100,8 +117,8 @@ class ScenarioBench(Bench):
             self.segment.limit(scenario.bit_rate)
         nodes = {name: twin.node for name, twin in self.twins.items()}
         self._player = Player(scenario, self.segment, nodes)
-        self._player.start()
-        super()._begin()
+        begin(self.segment, self._player, ())
+        self.segment.deliver()
 
     @property
     def done(self) -> bool:

@@ -19,7 +19,9 @@ from canopen_twins.scenario.scenario import NodeSpec
 from canopen_twins.scenario.targets import Targets
 
 Find = Callable[[str], type[Device]]
-SEED = "seed"
+SEED, TIMING = "seed", "timing"
+BESIDE = {"node_id": "node id", TIMING: TIMING}
+"""What stands beside the settings of a node, not among them."""
 
 
 class Rehearsal:
@@ -88,10 +90,12 @@ class Participants:
     One that cannot take part is a problem; what is told of it is not looked at.
     """
 
-    def __init__(self, find: Find, seed: int | None = None) -> None:
+    def __init__(self, find: Find, seed: int | None = None, timing: str | None = None) -> None:
+        """`seed` and `timing` are for the nodes that have none of their own."""
         self.specs: dict[str, NodeSpec] = {}
         self._find = find
         self._seed = seed
+        self._timing = timing
         self._names: list[str] = []
         self._rehearsals: dict[str, Rehearsal] = {}
         self._bus: Segment[Node] = Segment()
@@ -128,6 +132,9 @@ class Participants:
         if node.node_id is not None:
             given["node_id"] = node.node_id
         settings = {name: value.value for name, value in given.items()}
+        timing = node.timing or self._timing
+        if timing is not None and TIMING in _settings(kind):
+            settings[TIMING] = timing
         if self._seed is not None and SEED in _settings(kind):
             settings.setdefault(SEED, self._seed)
         try:
@@ -143,12 +150,13 @@ def _settings(kind: type[Device]) -> set[str]:
 
 
 def _delivered(given: Mapping[Item, Item], kind: type[Device]) -> dict[str, Item]:
-    known = _settings(kind) - {"node_id"}
+    known = _settings(kind) - BESIDE.keys()
     settings = {}
     for key, value in given.items():
         with key.problems.at(key):
-            if key.text == "node_id":
-                raise key.wrong("the node id stands beside the settings, not among them")
+            if key.text in BESIDE:
+                told = BESIDE[key.text]
+                raise key.wrong(f"the {told} stands beside the settings, not among them")
             if key.text not in known:
                 raise unknown("setting", key.text, known)
             settings[key.text] = value

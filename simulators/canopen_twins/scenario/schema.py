@@ -11,6 +11,7 @@ from pydantic import BeforeValidator, ConfigDict, Discriminator, Field, Tag
 
 from canopen_twins.bus.frame import Frame, pattern
 from canopen_twins.device.node import Node as Twin
+from canopen_twins.device.timing import PRESETS
 from canopen_twins.files.document import LONGEST_TIME, Item
 from canopen_twins.files.table import (
     IfRight,
@@ -326,6 +327,9 @@ def _check_version(version: Item) -> None:
             raise version.wrong(f"version {version.text} is unknown; this program reads {VERSION}")
 
 
+Preset = Annotated[str, word("timing", {name: name for name in PRESETS})]
+
+
 class Node(Table):
     """A device as it is delivered."""
 
@@ -333,6 +337,8 @@ class Node(Table):
     """Which device, by its name in `canopen-twin list`."""
     node_id: NodeId | None = None
     """The node id it is delivered with, 1..127."""
+    timing: Preset | None = None
+    """How long things take: that of the file if it is left out."""
     settings: Parameters | None = None
     """How it is delivered and what is around it; see `canopen-twin settings DEVICE`."""
 
@@ -347,6 +353,8 @@ class File(Table):
     """Version of the format: 1."""
     note: Text = ""
     """Free text."""
+    timing: Preset | None = None
+    """How long things take for its nodes; ideal is no time at all, and the default but of `run`."""
 
 
 class BenchFile(File):

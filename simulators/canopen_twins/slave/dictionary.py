@@ -4,7 +4,6 @@ import pickle
 import re
 from collections.abc import Iterator, Sequence
 from functools import cache
-from pathlib import Path
 
 from canopen import ObjectDictionary
 from canopen.objectdictionary import ODVariable
@@ -31,17 +30,19 @@ def _imported(eds: str, modules: tuple[int, ...] | None, _: int) -> bytes:
     return pickle.dumps((file.dictionary, file.relative))
 
 
-def dictionary(eds: str, node_id: int, modules: Sequence[int] | None = None) -> ObjectDictionary:
+def dictionary(
+    eds: str, node_id: int, modules: Sequence[int] | None = None, version: int = 0
+) -> ObjectDictionary:
     """A fresh object dictionary from a file of od/ (or a path), with `$NODEID` filled in.
+
+    A file is read once: whoever knows that it may have changed names another `version`.
 
     Raises:
         UserError: the file cannot be read, or describes no dictionary.
     """
-    path = Path(eds)
-    changed = path.stat().st_mtime_ns if path.is_absolute() and path.exists() else 0
     od: ObjectDictionary
     plugged = None if modules is None else tuple(modules)
-    od, relative = pickle.loads(_imported(eds, plugged, changed))
+    od, relative = pickle.loads(_imported(eds, plugged, version))
     for variable, key in relative:
         setattr(variable, key, getattr(variable, key) + node_id)
     if od.node_id is not None:

@@ -132,6 +132,16 @@ class Entry:
         if acts.write is not None:
             self._writes.append(acts.write)
 
+    @property
+    def source(self) -> Callable[[], Value]:
+        """Where its value is read; whoever stands in between may set another."""
+        cell, subindex = self._cell, self.variable.subindex
+        return self._source or (lambda: self.unpack(cell[subindex]))
+
+    @source.setter
+    def source(self, source: Callable[[], Value]) -> None:
+        self._source = source
+
     def read(self) -> bytes:
         """The value as it goes over the wire."""
         if self._source is None:

@@ -29,7 +29,7 @@ from canopen_twins.devices.charger.model.surroundings import Surroundings
 from canopen_twins.devices.charger.model.ticks import MINUTE, TICK
 from canopen_twins.devices.charger.model.types import Mode
 from canopen_twins.devices.charger.object_table import addresses, factory, file_name
-from canopen_twins.devices.charger.objects import Control, actual_values
+from canopen_twins.devices.charger.objects import MEASURED, Control, actual_values
 from canopen_twins.devices.charger.settings import Settings, build, detector, undisturbed
 from canopen_twins.devices.charger.storage import Storage
 from canopen_twins.slave.dictionary import dictionary
@@ -49,6 +49,7 @@ class Device(device.Device):
     title = "Eltex POWER CHARGER high-voltage generator (CANopen protocol description)"
     settings = Settings()
     stored = (HEARTBEAT, CYCLE, LED_BAR)
+    measured = MEASURED
     cycle = TICK
 
     def configure(self, **given: object) -> None:
@@ -62,6 +63,11 @@ class Device(device.Device):
         communication.check(self.settings)
         messages.catalogue(self.settings.messages)
         undisturbed(self.settings)
+
+    @property
+    def bit_rate(self) -> int:
+        """In force, in bit/s; LSS, and 0x2002:07 with a reset, change it."""
+        return self.network.bit_rate
 
     @property
     def node_id(self) -> int:

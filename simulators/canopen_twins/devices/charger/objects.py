@@ -21,6 +21,11 @@ REFUSALS = {Direction.LOW: Abort.TOO_LOW, Direction.HIGH: Abort.TOO_HIGH}
 LOCKED, RELEASED = 0x00, 0x0F  # 6200h:01h
 UNSIGNED8, UNSIGNED16, SIGNED16 = (0, 0xFF), (0, 0xFFFF), (-0x8000, 0x7FFF)
 PERCENT = (0, 100)
+MEASURED = (
+    *((0x2001, subindex) for subindex in (0x01, 0x02, 0x03, 0x05, 0x06, 0x07, 0x0D)),
+    *((0x6401, subindex) for subindex in (0x01, 0x02, 0x03, 0x05, 0x06, 0x07, 0x08)),
+)
+"""What has a sensor, and is no percentage of it."""
 SENSORS = {0x05: "power_stage", 0x06: "inside", 0x07: "cascade", 0x0D: "discharging"}  # 2001h
 LIMITER_BIT = {Quantity.VOLTAGE: 1 << 8, Quantity.CURRENT: 1 << 9, Quantity.POWER: 1 << 10}
 DISCHARGING_LIMITED = 1 << 8

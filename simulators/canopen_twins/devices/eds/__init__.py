@@ -11,11 +11,12 @@ from functools import cache
 from pathlib import Path
 
 from canopen import ObjectDictionary
+from canopen.objectdictionary.datatypes import FLOAT_TYPES, INTEGER8, SIGNED_TYPES
 
 from canopen_twins.bus.identifiers import NODE_IDS
 from canopen_twins.device.device import Device as AnyDevice
 from canopen_twins.device.settings import NodeSettings, setting
-from canopen_twins.devices.eds.network import Network
+from canopen_twins.devices.eds.network import BIT_TIMINGS, Network
 from canopen_twins.errors import UserError
 from canopen_twins.slave.dictionary import dictionary, read
 from canopen_twins.slave.eds.reader import UNCONFIGURED, entries_of
@@ -28,6 +29,8 @@ from canopen_twins.slave.slave import Slave
 log = logging.getLogger(__name__)
 
 COMMANDS = (0x1003, 0x1010, 0x1011)  # what is written there is an order, not a value to keep
+APPLICATION = 0x2000  # the first index that is no matter of communication
+MEASURED_TYPES = {*SIGNED_TYPES, *FLOAT_TYPES} - {INTEGER8}
 DELIVERED = 1  # node id of a file that says none
 
 
@@ -45,6 +48,8 @@ class Device(AnyDevice):
 
     settings = Settings()
     profile = Profile(block=True)
+    version = 0
+    """When its file was changed, so that a file that was edited is read anew."""
 
     @property
     def modules(self) -> Sequence[int] | None:
@@ -72,6 +77,12 @@ class Device(AnyDevice):
         _ = self.modules
 
     @property
+    def bit_rate(self) -> int | None:
+        """What LSS has set; else any is right, as no file says one."""
+        index = self.network.bit_timing
+        return None if index is None else BIT_TIMINGS[index]
+
+    @property
     def node_id(self) -> int:
         """That of the settings, or the one that LSS has set."""
         return self.network.node_id
@@ -86,7 +97,20 @@ class Device(AnyDevice):
 
     def dictionary(self) -> ObjectDictionary:
         """That of the file, with the modules that are plugged in."""
-        return dictionary(self.eds, self.node_id, self.modules)
+        return dictionary(self.eds, self.node_id, self.modules, self.version)
+
+    @property
+    def measured(self) -> Collection[Address]:
+        """What only the device changes and a PDO may carry, if it is no collection of bits."""
+        return [
+            (index, subindex)
+            for index, item in self.dictionary().indices.items()
+            if index >= APPLICATION
+            for subindex, variable in entries_of(item).items()
+            if variable.pdo_mappable
+            and not variable.writable
+            and variable.data_type in MEASURED_TYPES
+        ]
 
     @property
     def stored(self) -> Collection[Address]:
@@ -119,7 +143,7 @@ def device_of(path: Path) -> type[Device]:
 
 
 @cache
-def _device_of(path: Path, name: str, _: int) -> type[Device]:
+def _device_of(path: Path, name: str, version: int) -> type[Device]:
     file = read(str(path))
     for remark in file.remarks:
         log.warning("%s", remark.told(name))
@@ -133,6 +157,7 @@ def _device_of(path: Path, name: str, _: int) -> type[Device]:
             "__module__": __name__,
             "__doc__": f"The device of {name}.",
             "eds": str(path),
+            "version": version,
             "title": f"{words} ({name})" if words else name,
             "settings": Settings(node_id=node_id),
         },

@@ -1,6 +1,6 @@
 """Heinzmann governor behind its CANopen gateway (manual DG 04 005-e / 07-04): two control units."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from canopen import ObjectDictionary
@@ -14,6 +14,7 @@ from canopen_twins.devices.gateway import delivery
 from canopen_twins.devices.gateway.chart import chart
 from canopen_twins.devices.gateway.faults import faults
 from canopen_twins.devices.gateway.messages import MESSAGES, emergencies, report, silence
+from canopen_twins.devices.gateway.model.buffers import Buffer
 from canopen_twins.devices.gateway.model.configuration import PARTNER_NODE
 from canopen_twins.devices.gateway.model.state import MasterCommand
 from canopen_twins.devices.gateway.model.system import System
@@ -29,6 +30,8 @@ from canopen_twins.slave.service import Service, State
 from canopen_twins.slave.slave import Slave
 
 MICROSECOND = 1e-6  # s
+BIT_RATE = 426  # kbit/s (7.2.2)
+ANALOG_OUTPUTS = (0x2001, 0x2002)
 COMMANDS = {  # Figure 3
     State.OPERATIONAL: MasterCommand.OPERATIONAL,
     State.STOPPED: MasterCommand.STOP,
@@ -90,14 +93,24 @@ class Device(device.Device):
         return DcDesk(self.system.gateway, self.units)
 
     @property
-    def node_id(self) -> int:
-        """Parameter 427 in force, or as the next start finds it."""
-        return self.units.node_id
+    def bit_rate(self) -> int:
+        """Parameter 426, as the next start finds it, in bit/s."""
+        return int(self.units.parameters[BIT_RATE]) * 1000
 
     @property
     def timing(self) -> Timing:
-        """As of every device; but it is the units that take their time to boot (9.3)."""
+        """What the units need to start, `boot_time`, passes in the model."""
         return replace(super().timing, boot_time=0.0)
+
+    @property
+    def measured(self) -> Collection[Address]:
+        """The analog outputs (5.1)."""
+        return [address for address in self.objects if address[0] in ANALOG_OUTPUTS]
+
+    @property
+    def node_id(self) -> int:
+        """Parameter 427 in force, or as the next start finds it."""
+        return self.units.node_id
 
     @property
     def online(self) -> bool:
@@ -168,7 +181,8 @@ class Device(device.Device):
     def pdos(self, slave: Slave) -> Iterable[Service]:
         """What is sent and when is the governor's business (4); it comes with all traffic."""
         partner = self.units.parameters[PARTNER_NODE]
-        traffic = Traffic(slave, self.system, partner, self.units.disturbance)
+        measured = self.measured if self.timing.measures else ()
+        traffic = Traffic(slave, self.system, partner, self.units.disturbance, measured)
         traffic.begin()
         yield traffic
 
@@ -193,6 +207,10 @@ class Device(device.Device):
     def reset_communication(self) -> None:
         """The same (A-08)."""
         self.system.command(MasterCommand.RESET_COMMUNICATION)
+
+    def on_request_lost(self) -> None:
+        """The SDO buffer overflows (9.5, 12424)."""
+        self.system.overflow(Buffer.SDO_TRANSMIT)
 
     def on_state(self, state: State) -> None:
         """A command of the master; what the gateway has entered by itself it is in already."""

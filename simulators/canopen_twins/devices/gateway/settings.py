@@ -51,7 +51,7 @@ class Settings(TimingSettings):
 
     busy_request: Literal["overwrites", "waits"] = setting(
         "waits",
-        "an SDO request while others are answered: the 33rd that waits is an overflow",
+        "an SDO request while others are answered: the 33rd that would wait is an overflow",
         assumed="A-60",
     )
 

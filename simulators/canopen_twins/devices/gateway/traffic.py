@@ -1,16 +1,17 @@
 """Frames of the gateway beside SDO and NMT: PDOs, partner's heartbeat, end of a bus fault."""
 
 import struct
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
-from canopen_twins.bus import identifiers, sdo
+from canopen_twins.bus import identifiers
 from canopen_twins.bus.frame import Frame
 from canopen_twins.devices.gateway.model.canopen_side import BootUp, Heartbeat, Sent, TpdoFrame
 from canopen_twins.devices.gateway.model.state import GatewayState
 from canopen_twins.devices.gateway.model.system import System
 from canopen_twins.slave.nmt import STATE_BYTE
+from canopen_twins.slave.object import Address
 from canopen_twins.slave.service import Listening, Service, State
 from canopen_twins.slave.slave import Slave
 
@@ -19,6 +20,7 @@ STATES: Mapping[GatewayState, State] = {
     GatewayState.OPERATIONAL: State.OPERATIONAL,
     GatewayState.STOPPED: State.STOPPED,
 }
+WORD = 0xFFFF
 FLAG_WORD = 2  # word 3 of RPDO1 (4.2.1)
 
 
@@ -38,13 +40,21 @@ class Traffic(Service):
     """Brings frames to the model and its messages to the bus; shut while the bus is disturbed."""
 
     def __init__(
-        self, slave: Slave, system: System, partner: int, disturbance: Disturbance
+        self,
+        slave: Slave,
+        system: System,
+        partner: int,
+        disturbance: Disturbance,
+        measured: Collection[Address] = (),
     ) -> None:
+        """`measured`: what TPDOs tell as the dictionary shows it, not as the model knows it."""
         super().__init__(slave)
         self._system, self._partner, self._disturbance = system, partner, disturbance
         known = system.dictionary
         self._rpdos = {n: pdo.identifier for n, pdo in known.rpdos.items()} if known else {}
         self._tpdos = {n: pdo.identifier for n, pdo in known.tpdos.items()} if known else {}
+        self._told = known.tpdos if known else {}
+        self._measured = frozenset(measured)
 
     def begin(self) -> None:
         """The slave boots: what the model has sent so far, its own boot-up message has told."""
@@ -60,7 +70,6 @@ class Traffic(Service):
         """RPDOs that are active, and the watched partner."""
         for number, identifier in self._rpdos.items():
             yield (identifier, False), partial(self._on_rpdo, number)
-        yield (identifiers.sdo_request(self.slave.node_id), False), self._on_sdo_request
         if self._partner in identifiers.NODE_IDS:
             yield (identifiers.heartbeat(self._partner), False), self._on_partner
 
@@ -77,11 +86,20 @@ class Traffic(Service):
         heartbeats = identifiers.heartbeat(self.slave.node_id)
         match message:
             case TpdoFrame(number, words):
-                return Frame(self._tpdos[number], struct.pack(f"<{len(words)}H", *words))
+                shown = self._shown(number, words) if self._measured else words
+                return Frame(self._tpdos[number], struct.pack(f"<{len(shown)}H", *shown))
             case Heartbeat(state):
                 return Frame(heartbeats, bytes([STATE_BYTE[STATES[state]]]))
             case BootUp():
                 return Frame(heartbeats, b"\0")
+
+    def _shown(self, number: int, words: Sequence[int]) -> Sequence[int]:
+        """What a master would read at this moment, where it is measured."""
+        addresses = [(entry.index, entry.sub) for entry in self._told[number].entries]
+        return [
+            self.slave.number(*address) & WORD if address in self._measured else word
+            for address, word in zip(addresses, words, strict=True)
+        ]
 
     def _on_rpdo(self, number: int, frame: Frame) -> None:
         if number in self._disturbance.lost:
@@ -90,10 +108,6 @@ class Traffic(Service):
         if number == 1 and len(words) > FLAG_WORD:
             words[FLAG_WORD] |= sum(1 << (channel - 1) for channel in self._disturbance.flagged)
         self._system.receive_rpdo(number, tuple(words))
-
-    def _on_sdo_request(self, frame: Frame) -> None:
-        if len(frame.data) == sdo.LENGTH and frame.data[0] != sdo.ABORT:
-            self._system.sdo_request()
 
     def _on_partner(self, frame: Frame) -> None:
         if len(frame.data) == 1 and not self._disturbance.partner:  # A-29

@@ -31,6 +31,7 @@ from canopen_twins.devices.topcon.settings import Settings
 MODE_BIT = {Mode.OFF: 0, Mode.VOLTAGE: 1 << 1, Mode.CURRENT: 1 << 2, Mode.POWER: 1 << 3}  # Tab. 60
 SET_VALUES = range(0x2010, 0x2014)
 STORED = tuple((index, 0) for index in (0x2010, 0x2011, 0x2012, 0x2013, 0x2030, 0x2031))  # Tab. 45
+MEASURED = tuple((index, 0) for index in (0x2020, 0x2021, 0x2022))
 PARAMETER_REFUSALS = (Abort.INVALID_VALUE, Abort.TOO_HIGH, Abort.TOO_LOW, Abort.TOO_SHORT)
 
 
@@ -41,6 +42,7 @@ class Device(device.Device):
     title = "Regatron TopCon Quadro DC supply (TC.CANOPEN manual DO6130.0031 V02.62)"
     settings = Settings()
     stored = STORED
+    measured = MEASURED
     cycle = OutputStage.tick
 
     def configure(self, **given: object) -> None:

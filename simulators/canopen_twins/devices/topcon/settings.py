@@ -49,13 +49,9 @@ class Settings(NodeSettings):
         "V4.11.45", "0x100A, and the width of register addresses", assumed="A-19, A-56"
     )
     serial: int = setting(1, "0x1018:4", assumed="A-24", low=0, high=0xFFFFFFFF)
-    boot_time: float = setting(
+    ready_time: float = setting(
         0.0, "from power-on until RUN works", unit="s", assumed="A-78", low=0
     )
-    noise: float = setting(
-        0.0, "of measured values, up and down", unit="parts", assumed="A-79", low=0
-    )
-    seed: int = setting(0, "of the noise")
 
     # what is around it
     load: str = setting(

@@ -114,8 +114,6 @@ def output_stage(settings: Settings) -> OutputStage:
         ambient=settings.ambient,
         units=settings.units,
         connection=settings.connection,
-        boot_time=settings.boot_time,
+        boot_time=settings.ready_time,
         overvoltage_when_off=settings.ovp_when_off,
-        noise=settings.noise,
-        seed=settings.seed,
     )

@@ -20,34 +20,21 @@ OVERFLOW: Mapping[Buffer, tuple[int, Trouble]] = {
     Buffer.CAN2_RECEIVE: (errors.CAN_COMM_2, Trouble.ABORT),
     Buffer.SDO_TRANSMIT: (errors.CAN_COMM_2, Trouble.SDO_OVERFLOW),
 }
-SDO_ROOM = 32  # answers that wait (A-60)
 RECEIVE_ROOM = 64  # PDOs and heartbeats in one main cycle (A-60)
 
 
-class Buffers:
-    """How full they are; one that takes no time for an answer is never behind."""
+class ReceiveBuffer:
+    """Frames of the CANopen bus that wait for the main cycle; an ideal one has room for all."""
 
-    def __init__(self, answer_time: int) -> None:
-        self._answer_time = answer_time  # us
-        self._busy_until = 0
+    def __init__(self, *, ideal: bool) -> None:
+        self._ideal = ideal
         self._received = 0
 
     def clear(self) -> None:
-        """All of them are cleared."""
-        self._busy_until = self._received = 0
-
-    def begin_cycle(self) -> None:
-        """A main cycle has taken what was received."""
+        """It is empty: a main cycle has taken all, or it has overflowed."""
         self._received = 0
-
-    def ask(self, now: int) -> bool:
-        """An SDO request comes; whether its answer finds no room."""
-        if not self._answer_time:
-            return False
-        self._busy_until = max(now, self._busy_until) + self._answer_time
-        return self._busy_until - now > SDO_ROOM * self._answer_time
 
     def receive(self) -> bool:
         """A PDO or a heartbeat comes; whether it finds no room."""
         self._received += 1
-        return self._answer_time > 0 and self._received > RECEIVE_ROOM
+        return not self._ideal and self._received > RECEIVE_ROOM

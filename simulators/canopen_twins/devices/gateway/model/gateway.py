@@ -4,7 +4,7 @@ from functools import partial
 from typing import Any
 
 from canopen_twins.devices.gateway.model import errors
-from canopen_twins.devices.gateway.model.buffers import OVERFLOW, Buffer, Buffers
+from canopen_twins.devices.gateway.model.buffers import OVERFLOW, Buffer, ReceiveBuffer
 from canopen_twins.devices.gateway.model.canopen_side import CanopenSide, Plug
 from canopen_twins.devices.gateway.model.desk import Desk
 from canopen_twins.devices.gateway.model.errors import OF_GATEWAY, CanopenError
@@ -25,7 +25,7 @@ from canopen_twins.devices.gateway.model.heinzmann_can import (
 )
 from canopen_twins.devices.gateway.model.parameters import Unit
 from canopen_twins.devices.gateway.model.state import GatewayState, MasterCommand, Trigger, Trouble
-from canopen_twins.devices.gateway.model.timing import GATEWAY_CYCLE, microseconds
+from canopen_twins.devices.gateway.model.timing import GATEWAY_CYCLE
 from canopen_twins.devices.gateway.model.unit import ControlUnit, Programme, Surroundings
 
 FATAL = errors.bits(errors.FATAL)
@@ -47,7 +47,7 @@ class GatewayProgramme(Programme):
             always_armed=options.always_armed,
         )
         self._initialisation = Initialisation(unit.store, self.canopen, self.errors, can.send)
-        self._buffers = Buffers(microseconds(options.answer_time))
+        self._received = ReceiveBuffer(ideal=options.answer_time == 0)
         self._blocked = False  # 9.4: Undefined until a reset
         self._told: tuple[GatewayState, int, bool, CanopenError] | None = None
         self.live |= {number: partial(self.can.shows, number) for number in SHOWN}
@@ -92,13 +92,8 @@ class GatewayProgramme(Programme):
         if not self._overrun():
             self.canopen.partner_heartbeat()
 
-    def sdo_request(self) -> None:
-        """An SDO request of the master, whose answer needs room."""
-        if self._buffers.ask(self.time.now):
-            self.overflow(Buffer.SDO_TRANSMIT)
-
     def _overrun(self) -> bool:
-        overrun = self._buffers.receive()
+        overrun = self._received.receive()
         if overrun:
             self.overflow(Buffer.CAN2_RECEIVE)
         return overrun
@@ -106,7 +101,7 @@ class GatewayProgramme(Programme):
     def overflow(self, buffer: Buffer) -> None:
         """A buffer has overflowed and is cleared: 3071 or 3073 is reported for a moment."""
         error, consequence = OVERFLOW[buffer]
-        self._buffers.clear()
+        self._received.clear()
         self._pulses |= errors.bit(error)
         self.evaluate()
         self._enter(consequence)
@@ -114,7 +109,7 @@ class GatewayProgramme(Programme):
 
     def tick(self) -> None:
         """One main cycle."""
-        self._buffers.begin_cycle()
+        self._received.clear()
         self.canopen.step()
         self.errors.follow(CanopenError.HEARTBEAT, self.canopen.partner.tripped)
         self._pulses = 0

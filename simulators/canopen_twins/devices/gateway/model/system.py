@@ -174,11 +174,6 @@ class System:
         if self.gateway.programme is not None:
             self.gateway.programme.partner_heartbeat()
 
-    def sdo_request(self) -> None:
-        """An SDO request of the master, which is answered elsewhere."""
-        if self.gateway.programme is not None:
-            self.gateway.programme.sdo_request()
-
     def overflow(self, buffer: Buffer) -> None:
         """Let a buffer of the gateway overflow; it is cleared at once."""
         if self.gateway.programme is not None:

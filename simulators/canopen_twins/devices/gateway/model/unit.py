@@ -55,7 +55,7 @@ class Options:
     always_armed: bool = False
     """Whether the partner is missed in Operational even before its first heartbeat (A-19)."""
     answer_time: float = 0.0
-    """For an SDO request, s; meanwhile others wait in a buffer (A-60)."""
+    """For an SDO request, s; if there is any, its buffers can overflow (A-60)."""
     speed_noise: float = 0.0
     """Of the measured speed of a turning engine, up and down, rpm (A-59)."""
     seed: int = 0
