@@ -96,7 +96,7 @@ def test_governing(benchmark: BenchmarkFixture):
     """Twenty minutes in Operational: all cyclic TPDOs, an engine at its setpoint, a heartbeat."""
 
     def operational() -> tuple[tuple[Bench], dict[str, object]]:
-        bench = Bench("gateway")
+        bench = Bench("gateway", run=True, autostart=True)
         bench.run(0.5)
         bench.master.nmt.state = "OPERATIONAL"
         return (bench,), {}

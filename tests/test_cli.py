@@ -104,7 +104,7 @@ def test_the_faults_of_every_device_are_told_level_by_level(said):
 def test_numbers_that_a_manual_prints_in_decimal_are_told_in_decimal(said):
     _, told, _ = said("faults", "gateway")
     assert "    number: 3001..3094 (default: 3094)\n" in told
-    assert "    rpm: how fast; above 1725 rpm it is stopped (default: 1750)\n" in told
+    assert "    rpm: how fast; above 2070 rpm it is stopped (default: 2100)\n" in told
     assert "    identifier: of TPDO5 (default: 0x100)\n" in told
 
 

@@ -37,6 +37,7 @@ class Rig:
         for configuration in configurations:
             self.system.configure(configuration)
         self.governor, self.gateway = self.system.governor, self.system.gateway
+        self.governor.operation.run = self.governor.operation.autostart = True
         self.now = 0.0
 
     def run(self, seconds):
@@ -80,13 +81,16 @@ def plain(rig):
 
 @pytest.fixture
 def configured(tmp_path):
-    """Build a bench with a booted gateway, node 1, from parameters of both units and settings."""
+    """Build a bench with a booted gateway, node 1, from parameters of both units and settings.
+
+    Its engine starts by itself.
+    """
 
     def configured(governor=(), gateway=(), **settings):
         file = tmp_path / "configuration.yaml"
         units = {"governor": {**PLAIN["governor"], **dict(governor)}, "gateway": dict(gateway)}
         file.write_text(yaml.safe_dump({"version": 1, **units}))
-        bench = Bench("gateway", config=str(file), **settings)
+        bench = Bench("gateway", config=str(file), **{"run": True, "autostart": True, **settings})
         bench.run(0.3)
         return bench
 
@@ -95,7 +99,7 @@ def configured(tmp_path):
 
 @pytest.fixture
 def bench():
-    """A gateway as it is delivered, node 1, booted: all PDOs of the manual's examples."""
-    bench = Bench("gateway")
+    """A gateway as delivered, node 1, booted: all PDOs of the manual's examples, engine started."""
+    bench = Bench("gateway", run=True, autostart=True)
     bench.run(0.3)
     return bench

@@ -1,6 +1,6 @@
 import pytest
 
-from canopen_twins import Bench
+from canopen_twins import Bench, UserError
 
 from .bus import START, heard, read
 
@@ -54,3 +54,10 @@ def test_a_tpdo_with_its_identifier_has_it_alone(configured):
 
 def test_it_is_off_by_default():
     assert Bench("gateway").device.settings.emcy == "none"
+
+
+@pytest.mark.parametrize("fault", ["emcy_lost", "emcy_doubled"])
+def test_an_emergency_cannot_be_lost_where_there_is_none(telling, fault):
+    with pytest.raises(UserError, match="no emergency that could go wrong: this device has none"):
+        Bench("gateway").inject(fault)
+    telling.inject(fault)

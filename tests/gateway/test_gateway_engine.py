@@ -1,6 +1,7 @@
 import pytest
 
-from canopen_twins.devices.gateway.model.engine import NEXT, Engine, Mode
+from canopen_twins.devices.gateway.model.engine import Engine
+from canopen_twins.devices.gateway.model.speed_governor import NEXT, Mode
 
 CYCLE = 0.015625
 
@@ -30,7 +31,7 @@ def standing(plain):
 
     def build():
         rig = plain()
-        rig.governor.operation.run = False
+        rig.governor.operation.run = rig.governor.operation.autostart = False
         return rig
 
     genset = Genset(build)
@@ -115,11 +116,12 @@ def test_oil_pressure_follows_the_speed(running):
 
 
 def test_overspeed_stops_the_engine_until_the_errors_are_cleared(running):
-    running.engine.speed = 1726
+    running.engine.speed = 2071
     running.speeds(0.1)
     assert running.read(3004) == 1
     assert running.read(2330) == 0
-    states = running.rig.governor.programme.control.states(tripped=True)
+    present = running.rig.governor.memory.present
+    states = running.rig.governor.programme.control.states(present)
     assert states["overspeed stop"]
     assert states["running down"]
     running.speeds(25)
@@ -127,17 +129,12 @@ def test_overspeed_stops_the_engine_until_the_errors_are_cleared(running):
     running.rig.governor.desk.clear_errors()
     running.speeds(10)
     assert (running.read(3004), running.read(3104)) == (0, 1)
+    assert running.engine.speed == 0
+    running.operation.run = False
+    running.speeds(0.1)
+    running.operation.run = True
+    running.speeds(10)
     assert running.engine.speed > 700
-
-
-def test_load_is_on_only_while_it_is_enabled(rig):
-    rig = rig().operational()
-    rig.governor.engine.load = 50e3
-    rig.run(0.1)
-    assert rig.governor.engine.power == 0
-    rig.system.receive_rpdo(1, (0, 0, 0))
-    rig.run(0.1)
-    assert rig.governor.engine.power == 50e3
 
 
 def test_a_governor_reset_takes_the_fuel_away_and_the_engine_over(running):

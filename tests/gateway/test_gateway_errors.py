@@ -29,10 +29,10 @@ def test_table_2_gives_every_error_its_bit():
 def test_a_low_supply_is_told_counted_and_gone_by_itself(plain):
     rig = plain().operational()
     for times in (1, 2):
-        rig.gateway.desk.show("PowerSupply", 7.4)
+        rig.gateway.feed(7.4)
         rig.run(0.1)
         assert (rig.gateway.desk.read(3085), rig.gateway.desk.read(3185)) == (1, times)
-        rig.gateway.desk.show("PowerSupply", 7.5)
+        rig.gateway.feed(7.5)
         rig.run(0.1)
         assert (rig.gateway.desk.read(3085), rig.gateway.desk.read(3185)) == (0, times)
     assert rig.system.state is GatewayState.OPERATIONAL
@@ -40,7 +40,7 @@ def test_a_low_supply_is_told_counted_and_gone_by_itself(plain):
 
 def test_the_lowest_supply_can_be_another(plain):
     rig = plain(lowest_voltage=18.0).on()
-    rig.gateway.desk.show(3600, 17.0)
+    rig.gateway.feed(17.0)
     rig.run(0.1)
     assert rig.gateway.desk.read(3085) == 1
 
@@ -324,7 +324,7 @@ def test_during_a_canopen_bus_fault_the_master_is_not_heard(plain):
     ("cause", "register"),
     [
         (lambda rig: None, 0x00),
-        (lambda rig: rig.gateway.desk.show(3600, 5.0), 0x05),
+        (lambda rig: rig.gateway.feed(5.0), 0x05),
         (lambda rig: rig.system.overflow(Buffer.SDO_TRANSMIT), 0x11),
     ],
 )
@@ -374,5 +374,5 @@ def test_an_init_that_was_under_way_does_not_lead_out_of_a_fatal_error(plain):
 
 def test_an_error_in_operational_is_sent_on(plain):
     rig = plain(NO_HEARTBEAT, {"governor": {16460: 0, 16472: 0}}).operational()
-    rig.gateway.desk.show(3600, 7.0)
+    rig.gateway.feed(7.0)
     assert messages(rig, 0.05) == [TpdoFrame(2, (0, 0x20))]

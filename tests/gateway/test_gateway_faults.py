@@ -392,7 +392,7 @@ def test_overspeed_stops_the_engine_until_the_errors_are_cleared(operational):
         ("link_drop", {"count": 0}, "count 0 is not above 0"),
         ("rpdo_lost", {"number": 5}, "number 5 is not in 1..4"),
         ("sensor_flag", {"channel": 0}, "channel 0 is not in 1..12"),
-        ("supply", {"volts": 56}, "56.0 is not in 0..55"),
+        ("supply", {"volts": 56}, "56.0 V is not in 0..55"),
         ("error", {"number": 3074}, "comes by the fault 'reserved_identifier'"),
         ("error", {"number": 3050}, "error 3050 is no inner error of the gateway"),
         ("bootloader", {"status": 11}, "11 is not in 1..10"),

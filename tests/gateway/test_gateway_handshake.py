@@ -88,7 +88,7 @@ def test_12412_is_told_in_preoperational_until_operational_or_until_it_is_cleare
     repair(rig)
     rig.gateway.reset()
     rig.run(0.3)
-    assert (rig.system.state, rig.word) == (GatewayState.PRE_OPERATIONAL, 0x0002)
+    assert (rig.system.state, rig.word) == (GatewayState.PRE_OPERATIONAL, 0x0102)
     end(rig)
     rig.run(0.1)
     assert rig.word == 0

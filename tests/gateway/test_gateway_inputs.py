@@ -254,4 +254,4 @@ def test_idle_speed_comes_before_every_setpoint(plain):
     rig = plain({"governor": {811: 3, 4811: 3}}).operational()
     feed(rig, rpdo1=(4,), seconds=10.0)
     assert rig.governor.desk.read("SpeedSetp") == 700
-    assert rig.governor.programme.control.states(tripped=False)["idle"]
+    assert rig.governor.programme.control.states(0)["idle"]

@@ -47,7 +47,7 @@ def test_only_the_tpdo_with_the_change_is_sent(binary):
     rig.run(0.1)
     rig.governor.fail(3005)
     assert [(n, words) for _, n, words in tpdos(rig.run(0.1), 1, 2, 3)] == [(1, (0x20, 0, 0, 0))]
-    rig.gateway.desk.show(3600, 7.0)
+    rig.gateway.feed(7.0)
     assert [(n, words) for _, n, words in tpdos(rig.run(0.1), 1, 2, 3)] == [(2, (0, 0x20))]
     rig.governor.operation.run = True
     assert [(n, words) for _, n, words in tpdos(rig.run(0.02), 1, 2, 3)] == [(3, (0x03,))]
@@ -85,7 +85,7 @@ def test_the_first_binary_tpdo_is_a_matter_of_reading(binary, first, expected):
 def test_errors_of_both_units_are_in_the_dictionary_without_the_tpdos(plain):
     rig = plain({"governor": {14401: 0}}).on()
     rig.governor.fail(3028)
-    rig.gateway.desk.show(3600, 7.0)
+    rig.gateway.feed(7.0)
     rig.run(0.05)
     assert [rig.system.value(0x2000, sub) for sub in range(1, 7)] == [0, 1 << 12, 0, 0, 0, 1 << 5]
 

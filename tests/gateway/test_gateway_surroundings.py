@@ -43,13 +43,32 @@ def test_the_start_switch_stops_it_and_starts_it_again(running):
     assert speed(running) > 600
 
 
-def test_without_power_the_engine_is_found_standing(running):
+def test_without_power_the_engine_runs_down(running):
     running.power_off()
     running.run(1.0)
-    running.power_on()
+    assert 1350 < speed(running) < 1450
+    running.run(3600.0)
     assert speed(running) == 0
+    assert running.device.report["oil pressure [bar]"] == 0
+    running.power_on()
     running.run(0.3)
     assert running.device.report["governor"] == "running"
+
+
+def test_power_that_comes_back_does_not_start_an_engine_nor_catch_one(configured):
+    bench = configured(autostart=False)
+    bench.set(run=False)
+    bench.run(0.1)
+    bench.set(run=True)
+    bench.run(15.0)
+    assert speed(bench) == pytest.approx(1500, abs=1)
+    bench.power_off()
+    bench.run(1.0)
+    bench.power_on()
+    bench.run(5.0)
+    assert 0 < speed(bench) < 1100
+    bench.run(30.0)
+    assert speed(bench) == 0
 
 
 def test_a_scenario_may_lead_the_engine_by_rpdos(bench):
@@ -67,11 +86,11 @@ def test_what_is_built_in_does_not_change_while_it_runs(running, setting):
         running.set(**setting)
 
 
-def test_a_load_from_the_beginning_waits_for_the_master():
+def test_consumers_from_the_beginning_wait_for_the_breaker():
     bench = Bench("gateway", load=50)
+    bench.run(1.0)
+    bench.set(run=True)
+    bench.run(3.0)
+    assert bench.device.report["load [kW]"] == 0.0
     bench.run(15.0)
-    assert (speed(bench), bench.device.report["load [kW]"]) == (1500.0, 0.0)
-    bench.send(START)
-    bench.send("201#000000000000")  # load enable is low active
-    bench.run(0.1)
-    assert bench.device.report["load [kW]"] == 50.0
+    assert (speed(bench), bench.device.report["load [kW]"]) == (1500.0, 50.0)

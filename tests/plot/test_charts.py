@@ -73,7 +73,7 @@ def test_only_a_charger_that_discharges_shows_it():
 
 
 def test_the_engine_of_a_gateway_is_shown_as_its_governor_drives_it():
-    bench = Bench("gateway", config="gateway_plain.yaml")
+    bench = Bench("gateway", config="gateway_plain.yaml", run=True, autostart=True)
     chart = bench.twin.node.device.chart
     speed, *_ = chart.curves
     assert (speed.actual(), speed.wanted()) == (0, None)

@@ -159,6 +159,11 @@ class Device:
         return {}
 
     @property
+    def has_emergencies(self) -> bool:
+        """Whether it has any at all, so that one of them can go wrong."""
+        return True
+
+    @property
     def messages(self) -> Mapping[str, Message]:
         """What a master can be told, by the names of the manual and in its order."""
         return {}
@@ -236,6 +241,9 @@ class Device:
 
     def on_emcy(self, node_id: int, emcy: Emcy) -> None:
         """A node that 0x1028 names has told an emergency."""
+
+    def on_request_lost(self) -> None:
+        """An SDO request has found no room among those that wait, where they do."""
 
     def on_rpdo_refused(self, number: int, refusal: Rejected) -> None:
         """An RPDO was too short, or brought a value that an object refused."""

@@ -168,7 +168,7 @@ def _services(
     yield errors
     yield NodeGuarding(slave, errors)
     yield HeartbeatConsumer(slave, errors, device.on_heartbeat)
-    yield SdoServer(slave, request_buffer(slave, timing))
+    yield SdoServer(slave, request_buffer(slave, timing, device.on_request_lost))
     yield from FurtherSdoServer.all(slave)
     yield Sync(slave)
     yield Time(slave)

@@ -3,7 +3,7 @@
 The figures are assumed, for no device in particular (docs/reference/timing.md).
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from random import Random
 
@@ -76,7 +76,9 @@ def timing_of(settings: object, presets: Mapping[str, Timing] = PRESETS) -> Timi
     )
 
 
-def request_buffer(slave: Slave, timing: Timing) -> RequestBuffer | None:
+def request_buffer(
+    slave: Slave, timing: Timing, on_lost: Callable[[], None]
+) -> RequestBuffer | None:
     """Where requests to the SDO server of a slave wait; none if they are answered at once."""
     store_time = 0.0 if timing.store_refuses else timing.store_time
     if not (timing.answer_time or timing.answer_jitter or store_time):
@@ -88,7 +90,7 @@ def request_buffer(slave: Slave, timing: Timing) -> RequestBuffer | None:
         return timing.answer_time + jitter + store_time * _stores(slave, data)
 
     events = slave.wire.events
-    return RequestBuffer(slave.clock, events, delay, waits=timing.requests_wait)
+    return RequestBuffer(slave.clock, events, delay, on_lost, waits=timing.requests_wait)
 
 
 def _stores(slave: Slave, data: bytes) -> bool:

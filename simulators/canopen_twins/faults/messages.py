@@ -1,6 +1,7 @@
 """Protocol and node level: PDO, EMCY, heartbeat and boot-up message, as a node sends them."""
 
 from collections.abc import Mapping
+from typing import Any
 
 from canopen_twins.bus import identifiers
 from canopen_twins.bus.frame import LONGEST, STANDARD_IDS, Frame
@@ -10,6 +11,7 @@ from canopen_twins.errors import UserError
 from canopen_twins.faults.disturbance import (
     AIM,
     Disturbance,
+    Effect,
     FaultType,
     Filtering,
     Fits,
@@ -137,6 +139,12 @@ def is_emcy(node: Node, frame: Frame) -> bool:
     return slave is not None and not frame.remote and frame.can_id == emcy_id(slave)
 
 
+def _of_emcy(place: Place, effect: Effect, **aim: Any) -> Filtering:
+    if not place.node.device.has_emergencies:
+        raise UserError("there is no emergency that could go wrong: this device has none")
+    return Filtering(place, is_emcy, effect, **aim)
+
+
 EMCY: Mapping[str, FaultType] = {
     "emcy_storm": FaultType(
         "An emergency is told again and again, in whatever state the device is.",
@@ -154,13 +162,13 @@ EMCY: Mapping[str, FaultType] = {
         "An emergency is not told.",
         "An error it learns of from the error register or from process data only.",
         AIM,
-        lambda place, **aim: Filtering(place, is_emcy, lost, **aim),
+        lambda place, **aim: _of_emcy(place, lost, **aim),
     ),
     "emcy_doubled": FaultType(
         "An emergency is told twice.",
         "One error, told twice: to be counted and shown once.",
         AIM,
-        lambda place, **aim: Filtering(place, is_emcy, doubled, **aim),
+        lambda place, **aim: _of_emcy(place, doubled, **aim),
     ),
 }
 

@@ -19,11 +19,19 @@ class RequestBuffer:
     """
 
     def __init__(
-        self, clock: Timing, events: EventLog, delay: Callable[[bytes], float], *, waits: bool
+        self,
+        clock: Timing,
+        events: EventLog,
+        delay: Callable[[bytes], float],
+        on_lost: Callable[[], None] = lambda: None,
+        *,
+        waits: bool,
     ) -> None:
+        """`on_lost`: what a request does that finds no room where many may wait."""
         self._clock = clock
         self._events = events
         self._delay = delay
+        self._on_lost = on_lost
         self._waits = waits
         self._waiting: deque[Frame] = deque()
         self._turn: Timer | None = None
@@ -36,6 +44,7 @@ class RequestBuffer:
             self._waiting.append(frame)
         elif self._waits:
             self._events.add_refusal(frame, "lost, too many requests wait already")
+            self._on_lost()
         else:
             overwritten, self._waiting[0] = self._waiting[0], frame
             self._events.add_refusal(overwritten, "overwritten by the next request")

@@ -14,7 +14,8 @@ from canopen_twins.devices.gateway import delivery
 from canopen_twins.devices.gateway.chart import chart
 from canopen_twins.devices.gateway.faults import faults
 from canopen_twins.devices.gateway.messages import MESSAGES, emergencies, report, silence
-from canopen_twins.devices.gateway.model.configuration import CANOPEN_BAUDRATE, PARTNER_NODE
+from canopen_twins.devices.gateway.model.buffers import Buffer
+from canopen_twins.devices.gateway.model.configuration import PARTNER_NODE
 from canopen_twins.devices.gateway.model.state import MasterCommand
 from canopen_twins.devices.gateway.model.system import System
 from canopen_twins.devices.gateway.model.timing import GRID
@@ -22,6 +23,7 @@ from canopen_twins.devices.gateway.object_dictionary import PROFILE, fill, ident
 from canopen_twins.devices.gateway.settings import Settings
 from canopen_twins.devices.gateway.traffic import STATES, Traffic
 from canopen_twins.devices.gateway.units import DcDesk, Units
+from canopen_twins.errors import UserError
 from canopen_twins.slave.emcy import Emcy
 from canopen_twins.slave.object import Address, Object
 from canopen_twins.slave.service import Service, State
@@ -55,10 +57,21 @@ class Device(device.Device):
         """What the files say, and whether the times fit."""
         delivery.system(self.settings)
         delivery.configuration(self.settings)
+        settings = self.settings
+        if settings.overspeed <= settings.highest_speed:
+            raise UserError(
+                f"overspeed: {settings.overspeed:g} rpm is not above highest_speed,"
+                f" {settings.highest_speed:g} rpm (A-56)"
+            )
+        if settings.speed > settings.highest_speed:
+            raise UserError(
+                f"speed: {settings.speed:g} rpm is above highest_speed,"
+                f" {settings.highest_speed:g} rpm (A-56)"
+            )
 
     def make_model(self) -> None:
         """Both units as delivered, with what the memory has kept."""
-        self.units.renew(self.settings, self.memory)
+        self.units.renew(self.settings, self.memory, self.timing)
 
     def apply(self) -> None:
         """What surrounds the engine follows at once."""
@@ -134,6 +147,11 @@ class Device(device.Device):
         return emergencies(self.system, self.node_id) if wanted else ()
 
     @property
+    def has_emergencies(self) -> bool:
+        """Only with the extension (A-01)."""
+        return self.settings.emcy == "assumed"
+
+    @property
     def messages(self) -> Mapping[str, Message]:
         """The bits of 2005h."""
         return MESSAGES
@@ -169,13 +187,18 @@ class Device(device.Device):
         yield traffic
 
     def power_on(self) -> None:
-        """Supply comes to both units; the engine stands (A-54)."""
-        self.make_model()
+        """Supply comes to both units; the engine is as it is (A-54)."""
+        engine = self.system.governor.engine
+        self.units.renew(self.settings, self.memory, self.timing, engine)
         self.system.power_on()
 
     def power_off(self) -> None:
-        """Supply goes; nothing is simulated until the next power-on (A-54)."""
+        """Supply goes: actuator and generator breaker fall off, and the engine runs down (A-54)."""
         self.system.power_off()
+
+    def step_unpowered(self, dt: float) -> None:
+        """The engine runs down, its oil and its charge air with it."""
+        self.system.governor.engine.run(dt)
 
     def reset_node(self) -> None:
         """Init, not a reset of the control unit (A-08)."""
@@ -184,6 +207,10 @@ class Device(device.Device):
     def reset_communication(self) -> None:
         """The same (A-08)."""
         self.system.command(MasterCommand.RESET_COMMUNICATION)
+
+    def on_request_lost(self) -> None:
+        """The SDO buffer overflows (9.5, 12424)."""
+        self.system.overflow(Buffer.SDO_TRANSMIT)
 
     def on_state(self, state: State) -> None:
         """A command of the master; what the gateway has entered by itself it is in already."""

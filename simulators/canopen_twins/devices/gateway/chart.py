@@ -3,7 +3,9 @@
 from collections.abc import Mapping
 
 from canopen_twins.device.chart import Band, Chart, Curve, Mood
-from canopen_twins.devices.gateway.model.engine import Engine, Mode
+from canopen_twins.devices.gateway.model.engine import Engine
+from canopen_twins.devices.gateway.model.errors import OVERSPEED, STOPPING
+from canopen_twins.devices.gateway.model.speed_governor import Mode
 from canopen_twins.devices.gateway.units import Units
 
 KILO, PERCENT = 1e3, 100
@@ -11,11 +13,13 @@ KILO, PERCENT = 1e3, 100
 BANDS: Mapping[Mode, Band] = {
     Mode.STOPPED: Band("standing", Mood.OFF),
     Mode.CRANKING: Band("cranking", Mood.WAITING),
+    Mode.RESTING: Band("between two attempts to start", Mood.WAITING),
     Mode.RUNNING: Band("running", Mood.ACTIVE),
     Mode.STOPPING: Band("running down", Mood.WARNING),
 }
 WITHOUT_GOVERNOR = Band("no governor", Mood.OFF)
-OVERSPEED = Band("overspeed stop", Mood.ERROR)
+OVERSPEED_STOP = Band("overspeed stop", Mood.ERROR)
+STOP = Band("stopped by an error", Mood.ERROR)
 
 
 def chart(units: Units) -> Chart:
@@ -38,7 +42,11 @@ def _band(units: Units) -> Band:
     governor = units.system.governor.programme
     if governor is None:
         return WITHOUT_GOVERNOR
-    return OVERSPEED if governor.tripped else BANDS[governor.control.speed.mode]
+    memory = governor.unit.memory
+    if memory.has(OVERSPEED):
+        return OVERSPEED_STOP
+    stopped = any(memory.has(number) for number in STOPPING)
+    return STOP if stopped else BANDS[governor.control.speed.mode]
 
 
 def _setpoint(units: Units) -> float | None:

@@ -7,8 +7,10 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
+from canopen_twins.device.timing import IDEAL, Timing
 from canopen_twins.devices.gateway.model.canopen_side import FirstTpdo
 from canopen_twins.devices.gateway.model.configuration import OWN_NODE
+from canopen_twins.devices.gateway.model.engine import Engine
 from canopen_twins.devices.gateway.model.errors import Assignment, assignment
 from canopen_twins.devices.gateway.model.parameters import (
     Catalogue,
@@ -27,6 +29,7 @@ from canopen_twins.files.shipped import od_file
 VERSION = 1
 UNITS = [unit.value for unit in Unit]
 LARGEST_FILE = 1 << 20  # bytes
+SPEED_NOISE = {"ideal": 0.0, "typical": 1.0, "worst": 4.0}  # rpm, by `timing` (A-59)
 
 Content = Mapping[str, Mapping[int, float]]
 
@@ -77,8 +80,8 @@ def _value(pair: Pair, unit: Unit, known: Catalogue) -> tuple[int, float]:
         raise pair.value.wrong(str(refusal)) from refusal
 
 
-def system(settings: Settings) -> System:
-    """Both units with their power off and factory parameters.
+def system(settings: Settings, timing: Timing = IDEAL, engine: Engine | None = None) -> System:
+    """Both units with their power off and factory parameters; without an engine a new one.
 
     Raises:
         UserError: a file that cannot be used, or times that do not fit.
@@ -96,9 +99,14 @@ def system(settings: Settings) -> System:
         lowest_voltage=settings.lowest_voltage,
         first_tpdo=FirstTpdo(settings.first_tpdo),
         always_armed=settings.arm == "operational",
+        answer_time=timing.answer_time,
+        speed_noise=SPEED_NOISE[settings.timing]
+        if settings.speed_noise is None
+        else settings.speed_noise,
+        seed=settings.seed,
     )
     with refusals("a setting in seconds: "):
-        return System(tables, options)
+        return System(tables, options, engine)
 
 
 def configuration(settings: Settings) -> Content:

@@ -8,10 +8,10 @@ from dataclasses import replace
 from functools import partial
 
 from canopen_twins.device.faults import Fault, Parameter
+from canopen_twins.devices.gateway.model.buffers import Buffer
 from canopen_twins.devices.gateway.model.configuration import PARTNER_NODE, RPDOS
 from canopen_twins.devices.gateway.model.heinzmann_can import Direction
 from canopen_twins.devices.gateway.model.parameters import Unit
-from canopen_twins.devices.gateway.model.system import Buffer
 from canopen_twins.devices.gateway.model.timing import MILLISECOND
 from canopen_twins.devices.gateway.unit_faults import UNIT_FAULTS, one_of, positive
 from canopen_twins.devices.gateway.units import Units
@@ -99,6 +99,20 @@ def _misconfigured(
     )
 
 
+def _lose_oil(units: Units, percent: float = 0.0) -> None:
+    if not 0 <= percent <= 100:
+        raise UserError(f"percent {percent:g} is not in 0..100")
+    units.system.governor.engine.oil_lost = percent / 100
+
+
+def _lose_cooling(units: Units, kelvin: float = 0.0) -> None:
+    units.system.governor.engine.cooling_lost = kelvin
+
+
+def _lose_fuel(units: Units, lost: bool = True) -> None:
+    units.system.governor.engine.fuel_cut = lost
+
+
 def _race(units: Units, rpm: int) -> None:
     units.system.governor.engine.speed = positive("rpm", rpm)
 
@@ -171,6 +185,23 @@ FAULTS: Mapping[str, Fault] = {
     "overspeed": Fault(
         "The engine is too fast for a moment: stopped until the errors are cleared (3004).",
         _race,
-        parameters={"rpm": Parameter("how fast; above 1725 rpm it is stopped", 1750, int)},
+        parameters={"rpm": Parameter("how fast; above 2070 rpm it is stopped", 2100, int)},
+    ),
+    "oil_lost": Fault(
+        "The oil of the engine loses pressure (3030 below 1.5 bar; 3031 below 1 bar: stopped).",
+        _lose_oil,
+        lambda units, percent: _lose_oil(units),
+        {"percent": Parameter("of its pressure", 90.0)},
+    ),
+    "cooling_lost": Fault(
+        "The charge air is not cooled (3032 above 85 degC; 3033 above 100 degC: stopped).",
+        _lose_cooling,
+        lambda units, kelvin: _lose_cooling(units),
+        {"kelvin": Parameter("how much warmer it gets", 90.0)},
+    ),
+    "fuel_lost": Fault(
+        "No fuel comes: the engine stalls (3036), or does not start (3034 after three attempts).",
+        _lose_fuel,
+        partial(_lose_fuel, lost=False),
     ),
 }

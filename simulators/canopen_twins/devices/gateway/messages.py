@@ -80,6 +80,7 @@ def report(system: System) -> Mapping[str, object]:
         "errors of the gateway": list(errors.numbers(system.gateway.memory.present)),
         "speed [rpm]": round(engine.speed, 1),
         "actuator [%]": round(100 * engine.position, 1),
+        "generator breaker": "closed" if engine.connected else "open",
         "load [kW]": round(engine.power / 1e3, 1),
         "oil pressure [bar]": round(engine.oil_pressure, 2),
         "charge air [degC]": round(engine.charge_air, 1),

@@ -49,9 +49,34 @@ class Settings(TimingSettings):
         "heartbeat", "what the monitoring of the partner begins with", assumed="A-19"
     )
 
+    busy_request: Literal["overwrites", "waits"] = setting(
+        "waits",
+        "an SDO request while others are answered: the 33rd that would wait is an overflow",
+        assumed="A-60",
+    )
+
     # the engine
     load: float = setting(0.0, "what the consumers draw", unit="kW", live=True, low=0)
-    run: bool = setting(True, "the start switch", assumed="A-53", live=True)
+    run: bool = setting(
+        False,
+        "the start switch; the engine starts when it is turned on",
+        assumed="A-53",
+        live=True,
+    )
+    autostart: bool = setting(
+        False,
+        "the engine starts by itself while the switch is on: after power-on and after an error",
+        assumed="A-53",
+        live=True,
+    )
+    breaker_speed: float = setting(
+        1425.0,
+        "speed at which the generator breaker lets the consumers on; it opens at 0.7 of it",
+        unit="rpm",
+        assumed="A-55",
+        live=True,
+        low=0,
+    )
     speed: float = setting(
         1500.0,
         "setpoint without a valid one by CANopen",
@@ -59,7 +84,31 @@ class Settings(TimingSettings):
         assumed="A-47",
         live=True,
         low=0,
-        high=1800,
+    )
+    highest_speed: float = setting(
+        1800.0,
+        "what an external setpoint of 100 % means, and the end of every other",
+        unit="rpm",
+        assumed="A-56",
+        live=True,
+        low=700,
+        high=3800,
+    )
+    overspeed: float = setting(
+        2070.0,
+        "speed above which the engine is stopped",
+        unit="rpm",
+        assumed="A-56",
+        live=True,
+        low=0,
+        high=4000,
+    )
+    speed_noise: float | None = setting(
+        None,
+        "of the measured speed while it turns, up and down; none: 0, 1 or 4 by `timing`",
+        unit="rpm",
+        assumed="A-59",
+        low=0,
     )
     droop: float = setting(
         0.0, "fall of speed up to rated load", unit="%", assumed="A-47", live=True, low=0, high=20

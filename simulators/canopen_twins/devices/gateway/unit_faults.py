@@ -10,7 +10,7 @@ from canopen_twins.devices.gateway.model.errors import INTERN
 from canopen_twins.devices.gateway.model.gateway import Gateway
 from canopen_twins.devices.gateway.model.governor import Governor
 from canopen_twins.devices.gateway.model.timing import microseconds
-from canopen_twins.devices.gateway.model.unit import POWER_SUPPLY, Life
+from canopen_twins.devices.gateway.model.unit import NORMAL_SUPPLY, Life
 from canopen_twins.devices.gateway.units import Units
 from canopen_twins.errors import UserError, unknown
 
@@ -24,7 +24,6 @@ WHICH: Mapping[str, Callable[[Units], tuple[ControlUnit, ...]]] = {
 }
 LOOPS = {"watchdog": EndlessLoop.WATCHDOG, "checksum": EndlessLoop.CHECKSUM, "ram": EndlessLoop.RAM}
 BUFFERS = ("receive", "transmit")
-NORMAL_SUPPLY = 24  # V
 FLASH_ERRORS = (3075, 3079)  # 9.3.2: the bootloader's own
 OTHERWISE = {  # errors with a cause that is a fault of its own
     3070: "can1_bus_fault",
@@ -157,8 +156,8 @@ UNIT_FAULTS: Mapping[str, Fault] = {
     ),
     "supply": _of_unit(
         "The supply is not 24 V (3085 below 7.5 V).",
-        lambda unit, volts: unit.desk.show(POWER_SUPPLY, round(volts, 1)),
-        lambda unit: unit.desk.show(POWER_SUPPLY, NORMAL_SUPPLY),
+        lambda unit, volts: unit.feed(volts),
+        lambda unit: unit.feed(NORMAL_SUPPLY),
         volts=Parameter("0..55 V", 7.0),
     ),
     "clear_errors": _of_unit(
@@ -206,9 +205,10 @@ UNIT_FAULTS: Mapping[str, Fault] = {
     ),
     "watchdog": _of_unit(
         "The watchdog ends the programme, and the bootloader keeps the unit (3089).",
-        lambda unit, address: _keep(unit, Finding.of_watchdog(address)),
+        lambda unit, address, flags: _keep(unit, Finding.of_watchdog(address, flags)),
         _hand_on,
         address=Parameter("where the programme was", 0, int),
+        flags=Parameter("of the processor", 0, int),
     ),
     "endless_loop": _of_unit(
         "A unit restarts, and a test of the bootloader itself fails: not even DcDesk works.",

@@ -3,8 +3,10 @@
 import logging
 from collections.abc import Mapping
 
+from canopen_twins.device.timing import Timing
 from canopen_twins.devices.gateway import delivery
 from canopen_twins.devices.gateway.model.configuration import OWN_NODE
+from canopen_twins.devices.gateway.model.engine import Engine
 from canopen_twins.devices.gateway.model.gateway import Gateway
 from canopen_twins.devices.gateway.model.governor import Governor
 from canopen_twins.devices.gateway.model.parameters import Store
@@ -29,13 +31,15 @@ class Units:
         self.disturbance = Disturbance()
         self._load_step = 0.0  # kW
 
-    def renew(self, settings: Settings, memory: Memory) -> None:
-        """Begin with what the memory has; the engine stands (A-54).
+    def renew(
+        self, settings: Settings, memory: Memory, timing: Timing, engine: Engine | None = None
+    ) -> None:
+        """Begin with what the memory has; the engine is as it is, or a new one that stands.
 
         Raises:
             UserError: it is not the memory of a gateway, or the configuration is refused.
         """
-        self.system = delivery.system(settings)
+        self.system = delivery.system(settings, timing, engine)
         self._memory, self._delivered = memory, delivery.configuration(settings)
         kept = {unit: memory.load(unit) for unit in self.system.kept}
         self._saved = {unit for unit, section in kept.items() if PARAMETERS in section}
@@ -50,6 +54,10 @@ class Units:
         self.settings, governor = settings, self.system.governor
         governor.engine.load = KILOWATT * (settings.load + self._load_step)
         governor.operation.run = settings.run
+        governor.operation.autostart = settings.autostart
+        governor.operation.highest_speed = settings.highest_speed
+        governor.operation.overspeed = settings.overspeed
+        governor.operation.breaker_speed = settings.breaker_speed
         governor.operation.local_setpoint = settings.speed
         governor.operation.droop = settings.droop / 100
 
@@ -62,7 +70,9 @@ class Units:
     def parameters(self) -> Store:
         """Those of the gateway: in force, or as the next start finds them."""
         gateway = self.system.gateway
-        return gateway.store.after_reset if gateway.programme is None else gateway.store
+        if gateway.programme is not None:
+            return gateway.store
+        return gateway.parameters_of_next_start
 
     @property
     def node_id(self) -> int:

@@ -16,6 +16,19 @@ TEST_STATUS_ERRORS: Mapping[int, int] = {  # 9.3.3, code of 3800 -> error
     **dict.fromkeys(range(2, 10), errors.MAIN_CHECKSUM),
     10: errors.PARAM_STORE,  # read ErrEEPROM in the bootloader (A-28)
 }
+# 9.3.3: 3801 to 3803 by code of 3800. What is not printed (addresses, patterns, sums) is A-61.
+TEST_VALUES: Mapping[int, tuple[int, int, int]] = {
+    1: (0xE1A4, 0x5555, 0x5545),  # error address, test value, content of the address
+    2: (0, 0, 0),  # main check sum
+    3: (0x6C2B, 0, 0),  # main check sum, length
+    4: (0x6C2B, 0xFFFF, 0xFFFF),  # main check sum, length
+    5: (0xFFFF, 0xFFFF, 0),  # NMI address
+    6: (0x0008, 0x0001, 0xFFFF),  # NMI address, its content
+    7: (0xFFFF, 0xFFFF, 0),  # programme start address
+    8: (0x0400, 0x0001, 0xFFFF),  # programme start address, its content
+    9: (0x6C2A, 0x6C2B, 0),  # calculated and stored check sum
+    10: (0, 0, 0),
+}
 WATCHDOG_EXCEPTION = 3
 
 
@@ -41,15 +54,16 @@ class Finding:
     """3095 to 3098: number, address low and high, flags."""
 
     @classmethod
-    def of_test(cls, status: int, values: tuple[int, int, int] = (0, 0, 0)) -> "Finding":
-        """A test failed with this TestStatus and its three values (9.3.3).
+    def of_test(cls, status: int, values: tuple[int, int, int] | None = None) -> "Finding":
+        """A test failed with this TestStatus and its three values, or usual ones (9.3.3, A-61).
 
         Raises:
             ValueError: no such status.
         """
         if status not in TEST_STATUS_ERRORS:
             raise ValueError(f"3800 TestStatus: {status} is not in 1..10")
-        return cls(TEST_STATUS_ERRORS[status], status, values)
+        shown = TEST_VALUES[status] if values is None else values
+        return cls(TEST_STATUS_ERRORS[status], status, shown)
 
     @classmethod
     def of_watchdog(cls, address: int = 0, flags: int = 0) -> "Finding":

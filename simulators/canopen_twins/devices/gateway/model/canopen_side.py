@@ -44,7 +44,10 @@ Sent = BootUp | Heartbeat | TpdoFrame
 
 
 class FirstTpdo(Enum):
-    """Whether a binary TPDO is sent without a change after entering Operational (A-15)."""
+    """What a binary TPDO is compared with on entering Operational (A-15).
+
+    Always sent; else what was last sent, at first 0, or how it was when the dictionary was created.
+    """
 
     ALWAYS = "always"
     NONZERO = "nonzero"
@@ -54,19 +57,38 @@ class FirstTpdo(Enum):
 class Outputs:
     """What the object dictionary holds, from its creation by the init telegrams on."""
 
-    def __init__(self, dictionary: Dictionary, assignment: Assignment, first: FirstTpdo) -> None:
+    def __init__(
+        self,
+        dictionary: Dictionary,
+        assignment: Assignment,
+        first: FirstTpdo,
+        sent: dict[int, tuple[int, ...]],
+        digital: tuple[int, int],
+    ) -> None:
+        """`sent`: the words of every binary TPDO as last sent; `digital`: errors, engine state."""
         self.dictionary = dictionary
         self._assignment, self._first = assignment, first
         self._values: dict[Entry, int] = {}
-        self._sent: dict[int, tuple[int, ...]] = {}
+        self._sent = sent
         self._digital: tuple[int, ...] = (0,) * 7
-        self._shown = (0, 0)
-        self.news: list[TpdoFrame] = []
-        """The binary TPDOs with something new in them, by the last `show`."""
+        self._shown: tuple[int, int] | None = None
+        self._told = True  # there is no change that was not sent
+        self.show(*digital)
+        for number in self._binary:
+            nothing = tuple(0 for _ in dictionary.tpdos[number].entries)
+            before = self._words(number) if first is FirstTpdo.NEVER else nothing
+            if len(sent.setdefault(number, before)) != len(before):
+                sent[number] = before
+
+    @property
+    def _binary(self) -> list[int]:
+        return [number for number in BINARY_TPDOS if number in self.dictionary.tpdos]
 
     def begin(self) -> None:
         """Operational was entered: the binary TPDOs begin anew."""
-        self._sent = {}
+        self._told = False
+        if self._first is FirstTpdo.ALWAYS:
+            self._sent.clear()
 
     def value(self, index: int, sub: int) -> int:
         """The value of a word of 2000h to 2004h; 0 before anything has come for it."""
@@ -76,14 +98,20 @@ class Outputs:
 
     def show(self, present: int, engine: int) -> None:
         """Take over errors, bit k for 3000+k, and engine state; once per cycle of the governor."""
-        if self._sent and (present, engine) == self._shown:
-            self.news = []
+        if (present, engine) == self._shown:
             return
-        self._shown = present, engine
+        self._shown, self._told = (present, engine), False
         self._digital = (*self._assignment.error_words(present), engine)
-        words = {n: self._words(n) for n in BINARY_TPDOS if n in self.dictionary.tpdos}
-        self.news = [TpdoFrame(n, each) for n, each in words.items() if self._is_new(n, each)]
-        self._sent = words
+
+    def news(self) -> list[TpdoFrame]:
+        """The binary TPDOs that have changed since they were last sent; they are sent now."""
+        if self._told:
+            return []
+        self._told = True
+        words = {number: self._words(number) for number in self._binary}
+        changed = [TpdoFrame(n, each) for n, each in words.items() if each != self._sent.get(n)]
+        self._sent.update(words)
+        return changed
 
     def take(self, entries: tuple[Entry, ...], words: tuple[int, ...]) -> None:
         """Keep the words of a PDO in their objects."""
@@ -92,15 +120,6 @@ class Outputs:
     def _words(self, number: int) -> tuple[int, ...]:
         entries = self.dictionary.tpdos[number].entries
         return tuple(self.value(entry.index, entry.sub) for entry in entries)
-
-    def _is_new(self, number: int, words: tuple[int, ...]) -> bool:
-        if number in self._sent:
-            return words != self._sent[number]
-        return {
-            FirstTpdo.ALWAYS: True,
-            FirstTpdo.NONZERO: any(words),
-            FirstTpdo.NEVER: False,
-        }[self._first]
 
 
 @dataclass
@@ -160,6 +179,7 @@ class CanopenSide:
         """Of the state machine (3)."""
         self._assignment, self._first = assignment, first
         self._digital = (0, 0)  # errors and engine state, told even before there is a dictionary
+        self._sent: dict[int, tuple[int, ...]] = {}  # of the binary TPDOs; outlives the dictionary
         self._beats = bool(settings[HEARTBEAT_PERIOD])
         limit = heartbeat_cycles(settings[HEARTBEAT_LIMIT])
         self.partner = Watch(limit if settings[PARTNER_NODE] else 0)
@@ -191,8 +211,7 @@ class CanopenSide:
 
     def create(self, dictionary: Dictionary) -> None:
         """The init telegrams were accepted: there is a dictionary now."""
-        self.outputs = Outputs(dictionary, self._assignment, self._first)
-        self.outputs.show(*self._digital)
+        self.outputs = Outputs(dictionary, self._assignment, self._first, self._sent, self._digital)
 
     def boot_up(self) -> None:
         """Pre-Operational was entered from Init."""
@@ -226,7 +245,7 @@ class CanopenSide:
             return
         self.outputs.show(present, engine)
         if self.operational:
-            for frame in self.outputs.news:
+            for frame in self.outputs.news():
                 self.bus.send(frame)
 
     def send_tpdo(self, number: int, words: tuple[int, ...]) -> None:

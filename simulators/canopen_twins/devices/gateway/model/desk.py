@@ -31,6 +31,8 @@ READERS: Mapping[Iterable[int], Callable[[ControlUnit[Any], int], float]] = {
     (3099,): lambda unit, _: unit.bootloader.eeprom_code,
     (*range(3095, 3099), *range(3800, 3804)): lambda unit, number: unit.bootloader.shows(number),
     range(3195, 3199): _exception,
+    (3600,): lambda unit, _: round(unit.supply, 1),
+    (3870,): lambda unit, _: unit.timer,
     SERIAL: _serial,
 }
 BY_NUMBER = {number: read for numbers, read in READERS.items() for number in numbers}
@@ -46,7 +48,7 @@ def measured(unit: ControlUnit[Any], number: int) -> float:
 IDENTIFIER, LAST_IDENTIFIER = 3850, 3851
 PC_HIGH, PC_LOW = 2424, 2425
 SHOWN = (
-    *(2406, PC_HIGH, PC_LOW, 3600, *range(3840, 3846), IDENTIFIER, LAST_IDENTIFIER, 3865),
+    *(2406, PC_HIGH, PC_LOW, *range(3840, 3846), IDENTIFIER, LAST_IDENTIFIER, 3865),
     *range(3895, 3899),
 )
 """Measurements that nothing in the model makes."""
@@ -104,9 +106,7 @@ class Desk:
 
     def deliver(self, values: Mapping[int, float]) -> None:
         """Keep checked values as if the unit had come with them; they act at the next reset."""
-        for number, value in values.items():
-            self._unit.store.edit(number, value)
-        self._unit.store.save()
+        self._unit.store.deliver(values)
 
     def save(self) -> None:
         """Keep what was changed, and which PC did it (8.3)."""
@@ -114,7 +114,7 @@ class Desk:
         self._unit.shown[LAST_IDENTIFIER] = self._unit.shown[IDENTIFIER]
 
     def show(self, key: int | str, value: float) -> None:
-        """Set what a measurement shows that nothing in the model makes: supply, versions, RAM test.
+        """Set what a measurement shows that nothing in the model makes: versions, RAM test.
 
         Raises:
             ValueError: not one of these measurements, or out of range.

@@ -19,6 +19,13 @@ MAIN_CHECKSUM = 3087
 WATCHDOG = 3089
 INTERN = 3094
 
+# of the engine (A-57, A-58)
+OIL_WARNING, OIL_STOP, AIR_WARNING, AIR_STOP = range(3030, 3034)
+START_FAILED, UNDERSPEED, STALLED = range(3034, 3037)
+OF_ENGINE = range(OIL_WARNING, STALLED + 1)
+STOPPING = (OVERSPEED, OIL_STOP, AIR_STOP, START_FAILED, STALLED)
+"""The engine is stopped, and does not start before they are cleared."""
+
 FATAL = (PARAM_STORE, 3077, RAM_TEST, 3090, 3093, INTERN)  # 9.4: Undefined until reset
 SENSORS = range(FIRST_SENSOR, FIRST_SENSOR + 24)
 
@@ -43,7 +50,10 @@ def numbers(word: int) -> Iterator[int]:
 
 # These go with their cause (9.4 for 3085; A-11); the others stay until cleared.
 FOLLOWING = bits(
-    (PICK_UP, *SENSORS, CAN_BUS_1, CAN_COMM_1, CAN_BUS_2, CAN_COMM_2, CAN_OPEN, VOLTAGE)
+    (
+        *(PICK_UP, *SENSORS, OIL_WARNING, AIR_WARNING),
+        *(CAN_BUS_1, CAN_COMM_1, CAN_BUS_2, CAN_COMM_2, CAN_OPEN, VOLTAGE),
+    )
 )
 
 

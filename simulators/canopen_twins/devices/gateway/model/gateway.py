@@ -4,6 +4,7 @@ from functools import partial
 from typing import Any
 
 from canopen_twins.devices.gateway.model import errors
+from canopen_twins.devices.gateway.model.buffers import OVERFLOW, Buffer, ReceiveBuffer
 from canopen_twins.devices.gateway.model.canopen_side import CanopenSide, Plug
 from canopen_twins.devices.gateway.model.desk import Desk
 from canopen_twins.devices.gateway.model.errors import OF_GATEWAY, CanopenError
@@ -46,8 +47,9 @@ class GatewayProgramme(Programme):
             always_armed=options.always_armed,
         )
         self._initialisation = Initialisation(unit.store, self.canopen, self.errors, can.send)
+        self._received = ReceiveBuffer(ideal=options.answer_time == 0)
         self._blocked = False  # 9.4: Undefined until a reset
-        self._told: tuple[GatewayState, int, bool, bool, CanopenError] | None = None
+        self._told: tuple[GatewayState, int, bool, CanopenError] | None = None
         self.live |= {number: partial(self.can.shows, number) for number in SHOWN}
         self.live |= {
             2405: lambda: int(self.can.connected),
@@ -78,13 +80,28 @@ class GatewayProgramme(Programme):
     def receive_rpdo(self, number: int, words: tuple[int, ...]) -> None:
         """An RPDO 1..4 of the master; one that is too short is ignored (A-30)."""
         entries, outputs = self.canopen.mapped(number), self.canopen.outputs
+        if self._overrun():
+            return
         if outputs is not None and 0 < len(entries) <= len(words):
             mapped = words[: len(entries)]
             outputs.take(entries, mapped)
             self.can.send(RpdoData(number, mapped))
 
-    def overflow(self, error: int, consequence: Trouble) -> None:
-        """A buffer has overflowed and was cleared: 3071 or 3073 is reported for a moment."""
+    def partner_heartbeat(self) -> None:
+        """A heartbeat or boot-up message of node 428."""
+        if not self._overrun():
+            self.canopen.partner_heartbeat()
+
+    def _overrun(self) -> bool:
+        overrun = self._received.receive()
+        if overrun:
+            self.overflow(Buffer.CAN2_RECEIVE)
+        return overrun
+
+    def overflow(self, buffer: Buffer) -> None:
+        """A buffer has overflowed and is cleared: 3071 or 3073 is reported for a moment."""
+        error, consequence = OVERFLOW[buffer]
+        self._received.clear()
         self._pulses |= errors.bit(error)
         self.evaluate()
         self._enter(consequence)
@@ -92,6 +109,7 @@ class GatewayProgramme(Programme):
 
     def tick(self) -> None:
         """One main cycle."""
+        self._received.clear()
         self.canopen.step()
         self.errors.follow(CanopenError.HEARTBEAT, self.canopen.partner.tripped)
         self._pulses = 0
@@ -140,7 +158,7 @@ class GatewayProgramme(Programme):
 
     def _tell_change(self) -> None:
         mine = self._initialisation
-        content = (self.state, mine.session, mine.fresh, self._ready, self.errors.own)
+        content = (self.state, mine.session, self._ready, self.errors.own)
         if content != self._told:
             self._told = content
             self.can.send(GatewayAlive(*content, first=self._cycles == 0))

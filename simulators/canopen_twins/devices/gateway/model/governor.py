@@ -7,7 +7,8 @@ from typing import Any
 from canopen_twins.devices.gateway.model import errors
 from canopen_twins.devices.gateway.model.configuration import init_parts, tpdos
 from canopen_twins.devices.gateway.model.desk import Desk, measured
-from canopen_twins.devices.gateway.model.engine import Engine, EngineControl, Operation
+from canopen_twins.devices.gateway.model.engine import Engine
+from canopen_twins.devices.gateway.model.engine_control import EngineControl
 from canopen_twins.devices.gateway.model.errors import OF_GOVERNOR, CanopenError
 from canopen_twins.devices.gateway.model.handshake import Handshake, Phase
 from canopen_twins.devices.gateway.model.heinzmann_can import (
@@ -23,12 +24,14 @@ from canopen_twins.devices.gateway.model.heinzmann_can import (
     TpdoData,
 )
 from canopen_twins.devices.gateway.model.inputs import Inputs
+from canopen_twins.devices.gateway.model.noise import Noise
 from canopen_twins.devices.gateway.model.parameters import Unit
+from canopen_twins.devices.gateway.model.speed_governor import Operation, SpeedGovernor
 from canopen_twins.devices.gateway.model.state import GatewayState
 from canopen_twins.devices.gateway.model.timing import microseconds
 from canopen_twins.devices.gateway.model.unit import ControlUnit, Programme, Surroundings, Tables
 
-OVERSPEED = errors.bit(errors.OVERSPEED)
+SPEED = 2000  # as the pick-up measures it (A-59)
 SERVED = (Phase.PREOP, Phase.RUN)  # TPDO counters run from the command Pre-Operational (A-45)
 
 
@@ -36,7 +39,12 @@ class GovernorProgramme(Programme):
     """`tick` is the order of a main cycle; telegrams are handled when they arrive."""
 
     def __init__(
-        self, unit: ControlUnit[Any], engine: Engine, operation: Operation, tables: Tables
+        self,
+        unit: ControlUnit[Any],
+        engine: Engine,
+        operation: Operation,
+        tables: Tables,
+        noise: Noise,
     ) -> None:
         can = HeinzmannCan(unit.wiring, unit.store, partner=403, enable=4406)  # 7.1.1
         super().__init__(unit, can, OF_GOVERNOR)
@@ -45,8 +53,13 @@ class GovernorProgramme(Programme):
         parts = init_parts(settings, scaling, cycle)
         self.handshake = Handshake(unit.time, self.can.send, parts)
         self.inputs = Inputs(settings, cycle)
-        self.control = EngineControl(engine, operation, self.inputs, scaling, cycle / 1_000_000)
-        self.live |= self.control.measurements
+        self._noise = noise
+        engine.run_to(self.time.now)
+        governor = SpeedGovernor(
+            engine, operation, cycle / 1_000_000, catches=operation.autostart or not unit.cold
+        )
+        self.control = EngineControl(engine, operation, self.inputs, scaling, governor)
+        self.live |= self.control.measurements | {SPEED: self._pick_up}
         self._tpdos = tpdos(settings, scaling, cycle)
         self._words = {
             tpdo.number: [(self._reader(n), scaling.of(n)) for n in tpdo.sources.values()]
@@ -60,22 +73,17 @@ class GovernorProgramme(Programme):
         """The governor's copy of the gateway's state."""
         return self.handshake.state
 
-    @property
-    def tripped(self) -> bool:
-        """Whether overspeed has stopped the engine, until the errors are cleared."""
-        return self.unit.memory.has(errors.OVERSPEED)
-
-    def end(self) -> None:
-        """The unit is reset or switched off."""
-        self._engine.run_to(self.time.now)
-        self.control.end()
+    def _pick_up(self) -> float:
+        if not self._engine.turning:
+            return self._engine.speed
+        return max(0.0, self._engine.speed + self._noise.at(self.time.now))
 
     def tick(self) -> None:
         """One main cycle."""
         self._engine.run_to(self.time.now)
         self._lead_gateway()
         self._evaluate_inputs()
-        self.control.step(tripped=self.tripped)
+        self.control.step(self.unit.memory.present)
         if self.handshake.phase is Phase.FAILED:
             self.errors.own |= CanopenError.INIT
         self.errors.follow(CanopenError.TIME_CTRL, self.inputs.tripped)
@@ -98,9 +106,8 @@ class GovernorProgramme(Programme):
 
     @property
     def causes(self) -> int:
-        """What is wrong at this moment: sensors and overspeed as well."""
-        causes = super().causes | self.inputs.errors
-        return causes | OVERSPEED if self.control.overspeed else causes
+        """What is wrong at this moment: sensors and engine as well."""
+        return super().causes | self.inputs.errors | self.control.causes
 
     def clear(self) -> None:
         """Clear all errors here; a failed initialisation gets three more attempts."""
@@ -112,8 +119,9 @@ class GovernorProgramme(Programme):
         if self.alive_due:
             self.can.send(GovernorAlive(self.errors.own))
         if not self.can.silent:  # 7.2.1: to a silent partner the content is cut down
-            engine = self._assignment.engine_word(self.control.states(tripped=self.tripped))
-            self.can.send(Binary(self.unit.memory.present, engine, self.errors.own))
+            present = self.unit.memory.present
+            engine = self._assignment.engine_word(self.control.states(present))
+            self.can.send(Binary(present, engine, self.errors.own))
 
     def _serve_tpdos(self) -> None:
         if self.handshake.phase not in SERVED:
@@ -145,7 +153,7 @@ class GovernorProgramme(Programme):
                 self.clear()
 
     def _follow_gateway(self, alive: GatewayAlive) -> None:
-        if not self._met and not alive.fresh:
+        if not self._met and alive.epoch:  # it was commanded before this unit was reset
             self.errors.own |= CanopenError.DC_RESET
         self._met = True
         before = self.state
@@ -160,20 +168,28 @@ class Governor(ControlUnit[GovernorProgramme]):
     """The control unit, with the engine."""
 
     which, partner = Unit.GOVERNOR, Unit.GATEWAY
-    inner_faults = (errors.PICK_UP, errors.OVERSPEED, *errors.SENSORS, errors.INTERN)
+    inner_faults = (
+        errors.PICK_UP,
+        errors.OVERSPEED,
+        *errors.SENSORS,
+        *errors.OF_ENGINE,
+        errors.INTERN,
+    )
 
-    def __init__(self, around: Surroundings) -> None:
+    def __init__(self, around: Surroundings, engine: Engine) -> None:
         super().__init__(around, microseconds(around.options.governor_cycle))
         self.desk = Desk(self, around.tables.catalogue)
-        self.engine, self.operation = Engine(), Operation()
-        self._tables = around.tables
+        self.engine, self.operation = engine, Operation()
+        engine.reached = self.time.now
+        self._tables, options = around.tables, around.options
+        self._noise = Noise(options.speed_noise, options.seed, self.cycle)
 
     def start(self) -> GovernorProgramme:
         """The programme, as it begins."""
-        return GovernorProgramme(self, self.engine, self.operation, self._tables)
+        return GovernorProgramme(self, self.engine, self.operation, self._tables, self._noise)
 
     def power_off(self) -> None:
-        """Lose what is not saved; actuator, starter and load fall off."""
-        if self.programme is not None:
-            self.programme.end()
+        """Lose what is not saved; actuator, starter and generator breaker fall off."""
+        self.engine.run_to(self.time.now)
+        self.engine.let_go()
         super().power_off()

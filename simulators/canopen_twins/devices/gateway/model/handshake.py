@@ -90,11 +90,12 @@ class Handshake:
         self.state = GatewayState.UNDEFINED
         """The governor's copy of the gateway's state."""
         self.fresh = True
-        """No initialisation has succeeded since the reset."""
+        """Nothing says that the gateway was reset after this unit."""
         self.gateway: GatewayAlive | None = None
         """What it said last."""
         self.refusal: Refusal | None = None
         """Why it did not accept the configuration last time."""
+        self._met = False  # a gateway was heard since the reset
         self._session = 0
         self._attempts = 0
         self._deadline = 0
@@ -105,8 +106,10 @@ class Handshake:
         was_reset = gateway.first or (before is not None and gateway.epoch < before.epoch)
         if was_reset:
             self.state = GatewayState.UNDEFINED
+            self.fresh = self.fresh and not self._met
         elif gateway.epoch == self._session:
             self.state = gateway.state
+        self._met = True
         left = self.phase is Phase.RUN and self.state not in COMMUNICATING
         if was_reset or left:
             self._again()
@@ -200,9 +203,7 @@ class Initialisation:
         self._settings, self._canopen, self._errors, self._send = settings, canopen, errors, send
         self._parts: list[InitPart] = []
         self.session = 0
-        """Of the governor's last Init; 0 before the first."""
-        self.fresh = True
-        """No initialisation has succeeded since the reset."""
+        """Of the governor's last Init; 0 before the first since the reset."""
 
     def obey(self, command: Command, *, ready: bool) -> None:
         """Enter what is ordered; ready: nothing is wrong here that forbids an initialisation."""
@@ -212,7 +213,6 @@ class Initialisation:
             case GovernorCommand.UNDEFINED:
                 self._canopen.handle(command.command)
             case GovernorCommand.PRE_OPERATIONAL if self._accepted(command.session):
-                self.fresh = False
                 self._canopen.handle(command.command)
                 self._canopen.boot_up()
 
@@ -233,7 +233,7 @@ class Initialisation:
         self._send(InitResult(self.session, wrong))
 
     def _begin(self, command: Command) -> None:
-        if self.fresh and not command.fresh:
+        if self.session == 0 and not command.fresh:
             self._errors.own |= CanopenError.GW_RESET
         self.session, self._parts = command.session, []
         self._canopen.handle(command.command)

@@ -22,7 +22,7 @@ class GovernorAlive(NamedTuple):
 
 
 class Command(NamedTuple):
-    """An order to the state machine; `fresh` until the governor has initialised once."""
+    """An order to the state machine; `fresh`: the governor was reset as late as the gateway."""
 
     command: GovernorCommand
     session: int
@@ -64,8 +64,6 @@ class GatewayAlive(NamedTuple):
     state: GatewayState
     epoch: int
     """Session of the governor's last command; 0 after a reset."""
-    fresh: bool
-    """Not initialised since the last reset."""
     ready: bool
     """Whether an initialisation makes sense: nothing is wrong that forbids it."""
     errors: CanopenError

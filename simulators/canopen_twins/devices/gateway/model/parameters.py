@@ -182,6 +182,7 @@ class Store:
         self._defaults = {n: each.default for n, each in parameters.items() if each.writable}
         self._edited: dict[int, float] = {}
         self._effective = dict(self._defaults)
+        self._damaged = False  # what was saved could not be read at the last start
         self.saved: dict[int, float] = {}
         """What is kept without power, where it differs from the default."""
 
@@ -191,23 +192,32 @@ class Store:
 
     def shown(self, number: int) -> float:
         """The value DcDesk shows: the edited one."""
-        return self._edited.get(number, self.saved.get(number, self._defaults[number]))
+        return self._edited.get(number, self._found.get(number, self._defaults[number]))
 
     def save(self) -> None:
         """Keep what was edited."""
-        values = self.saved | self._edited
+        self._keep(self._found | self._edited)
+
+    def deliver(self, values: Mapping[int, float]) -> None:
+        """Keep values as if they had been saved before; they act after a reset."""
+        self._keep({**self.saved, **values})
+
+    def _keep(self, values: dict[int, float]) -> None:
         self.saved = {n: values[n] for n in sorted(values) if values[n] != self._defaults[n]}
+
+    @property
+    def _found(self) -> dict[int, float]:
+        return {} if self._damaged else self.saved
 
     def load(self, *, damaged: bool = False) -> None:
         """Begin with what was saved; with the defaults if that is damaged (3099 bit 5)."""
-        self._edited = {}
-        self._effective = self._defaults if damaged else self._defaults | self.saved
+        self._edited, self._damaged = {}, damaged
+        self._effective = self._defaults | self._found
 
-    @property
-    def after_reset(self) -> "Store":
-        """As the next start finds it, if nothing is damaged."""
+    def after_reset(self, *, damaged: bool = False) -> "Store":
+        """As the next start finds it, with what was saved or without."""
         store = copy(self)
-        store.load()
+        store.load(damaged=damaged)
         return store
 
     def __getitem__(self, number: int) -> int:

@@ -1,44 +1,34 @@
 """The whole of it: both units and the link between them, as CANopen and the surroundings see it."""
 
 from collections.abc import Mapping
-from enum import Enum
 from math import inf
 from typing import Any
 
 from canopen_twins.devices.gateway.model import errors
+from canopen_twins.devices.gateway.model.buffers import Buffer
 from canopen_twins.devices.gateway.model.canopen_side import Sent
 from canopen_twins.devices.gateway.model.configuration import Dictionary, built, init_parts
+from canopen_twins.devices.gateway.model.engine import Engine
 from canopen_twins.devices.gateway.model.gateway import Gateway
 from canopen_twins.devices.gateway.model.governor import Governor
 from canopen_twins.devices.gateway.model.parameters import Unit
-from canopen_twins.devices.gateway.model.state import GatewayState, MasterCommand, Trouble
+from canopen_twins.devices.gateway.model.state import GatewayState, MasterCommand
 from canopen_twins.devices.gateway.model.timing import NEVER, microseconds
 from canopen_twins.devices.gateway.model.unit import Options, Surroundings, Tables
 
-
-class Buffer(Enum):
-    """Buffers of the gateway that can overflow (7.2.1, 7.2.2, A-09)."""
-
-    CAN1_RECEIVE = "CANopen data from the governor"
-    CAN2_RECEIVE = "frames from the CANopen bus"
-    SDO_TRANSMIT = "SDO answers"
-
-
-OVERFLOW: Mapping[Buffer, tuple[int, Trouble]] = {
-    Buffer.CAN1_RECEIVE: (errors.CAN_COMM_1, Trouble.ABORT),
-    Buffer.CAN2_RECEIVE: (errors.CAN_COMM_2, Trouble.ABORT),
-    Buffer.SDO_TRANSMIT: (errors.CAN_COMM_2, Trouble.SDO_OVERFLOW),
-}
 ERROR_2005 = 0x2005
 
 
 class System:
     """Both machines and the link; commands act at once, `step` lets time pass, `outbox` is news."""
 
-    def __init__(self, tables: Tables, options: Options | None = None) -> None:
+    def __init__(
+        self, tables: Tables, options: Options | None = None, engine: Engine | None = None
+    ) -> None:
+        """Both units are off; the engine is as it is, or a new one that stands."""
         around = Surroundings(tables, options or Options())
         self.link = around.link
-        self.governor, self.gateway = Governor(around), Gateway(around)
+        self.governor, self.gateway = Governor(around, engine or Engine()), Gateway(around)
         self._time, self._scaling = around.time, tables.scaling
         self._units: tuple[Governor | Gateway, ...] = (self.governor, self.gateway)
         self._to_gateway = self.link.to[Unit.GATEWAY]
@@ -146,7 +136,9 @@ class System:
     @property
     def planned(self) -> Dictionary:
         """The same for the parameters as saved, whether the gateway would accept it or not."""
-        gateway, governor = self.gateway.store.after_reset, self.governor.store.after_reset
+        gateway, governor = (
+            unit.parameters_of_next_start for unit in (self.gateway, self.governor)
+        )
         return built(init_parts(governor, self._scaling, self.governor.cycle), gateway)
 
     def value(self, index: int, sub: int) -> int:
@@ -180,9 +172,9 @@ class System:
     def partner_heartbeat(self) -> None:
         """A heartbeat or boot-up message of node 428."""
         if self.gateway.programme is not None:
-            self.gateway.programme.canopen.partner_heartbeat()
+            self.gateway.programme.partner_heartbeat()
 
     def overflow(self, buffer: Buffer) -> None:
         """Let a buffer of the gateway overflow; it is cleared at once."""
         if self.gateway.programme is not None:
-            self.gateway.programme.overflow(*OVERFLOW[buffer])
+            self.gateway.programme.overflow(buffer)

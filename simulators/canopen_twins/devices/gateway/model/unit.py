@@ -25,7 +25,7 @@ from canopen_twins.devices.gateway.model.parameters import Catalogue, Scaling, S
 from canopen_twins.devices.gateway.model.state import STATE_PARAMETERS, GatewayState, state_word
 from canopen_twins.devices.gateway.model.timing import NEVER, Time, microseconds
 
-POWER_SUPPLY = 3600
+NORMAL_SUPPLY, HIGHEST_SUPPLY = 24.0, 55.0  # V
 VOLTAGE_ERROR = errors.bit(errors.VOLTAGE)
 ALIVE_CYCLES = 4  # A-24
 LINK_ERRORS = errors.bits((errors.CAN_BUS_1, errors.CAN_COMM_1))
@@ -54,6 +54,12 @@ class Options:
     """Whether TPDO1 to 3 are sent on entering Operational (A-15)."""
     always_armed: bool = False
     """Whether the partner is missed in Operational even before its first heartbeat (A-19)."""
+    answer_time: float = 0.0
+    """For an SDO request, s; if there is any, its buffers can overflow (A-60)."""
+    speed_noise: float = 0.0
+    """Of the measured speed of a turning engine, up and down, rpm (A-59)."""
+    seed: int = 0
+    """Of the noise."""
 
 
 @dataclass
@@ -77,7 +83,6 @@ class Programme(ABC):
     ) -> None:
         self.unit = unit
         self.settings, self.time, self.can = unit.store, unit.time, can
-        self.started = unit.time.now
         self.errors = CanopenErrors(reasons)
         self.live: dict[int, Callable[[], float]] = self._common()
         """The measurements this programme makes, by number."""
@@ -139,7 +144,6 @@ class Programme(ABC):
 
     def _common(self) -> dict[int, Callable[[], float]]:
         return {
-            3870: lambda: (self.time.now - self.started) // 1000 % 65536,  # A-26
             12400: lambda: state_word(self.state),
             12410: lambda: int(self.errors.word),
             **{number: self._shows_state(each) for number, each in STATE_PARAMETERS.items()},
@@ -188,12 +192,17 @@ class ControlUnit(ABC, Generic[P]):
         self.wiring = Wiring(self.link, self.link.to[self.partner])
         self._lowest_voltage = around.options.lowest_voltage
         self.shown = {n: each.default for n, each in self.parameters.items() if not each.writable}
-        """Measurements nothing in the model makes, 3600 PowerSupply among them."""
+        """Measurements nothing in the model makes."""
+        self.supply = NORMAL_SUPPLY
+        """V"""
+        self.cold = True
+        """Whether the supply came with the last start, which else was a reset."""
         self.life = Life.OFF
         self.programme: P | None = None
         self.due = NEVER
         """When the start tests or the running main cycle end, us."""
         self._failing = 0
+        self._since = 0  # the last reset, us
 
     @abstractmethod
     def start(self) -> P:
@@ -201,8 +210,9 @@ class ControlUnit(ABC, Generic[P]):
 
     def reset(self) -> None:
         """Lose what is not saved and begin with the bootloader; also switches on."""
+        self.cold = self.life is Life.OFF
         self.power_off()
-        self.life = Life.STARTING
+        self.life, self._since = Life.STARTING, self.time.now
         self.due = self.time.now + self.boot_time
 
     def power_off(self) -> None:
@@ -244,8 +254,28 @@ class ControlUnit(ABC, Generic[P]):
     @property
     def causes(self) -> int:
         """What is wrong within the unit itself; bit k is error 3000+k."""
-        low = self.shown[POWER_SUPPLY] < self._lowest_voltage
+        low = self.supply < self._lowest_voltage
         return self._failing | VOLTAGE_ERROR * low
+
+    @property
+    def timer(self) -> float:
+        """3870: seconds since the reset, in 16 bits of milliseconds (A-26)."""
+        return (self.time.now - self._since) // 1000 % 65536 / 1000
+
+    @property
+    def parameters_of_next_start(self) -> Store:
+        """What the next start will find."""
+        return self.store.after_reset(damaged=self.bootloader.damaged(Eeprom.PARAMETERS))
+
+    def feed(self, volts: float) -> None:
+        """Let the supply have this voltage.
+
+        Raises:
+            ValueError: not in 0..55 V.
+        """
+        if not 0 <= volts <= HIGHEST_SUPPLY:
+            raise ValueError(f"{volts!r} V is not in 0..{HIGHEST_SUPPLY:g}")
+        self.supply = volts
 
     def fail(self, number: int) -> None:
         """Let an inner error have a cause from now on.
