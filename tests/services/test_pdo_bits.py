@@ -152,6 +152,17 @@ def test_a_file_that_maps_more_than_a_frame_has_it_off(tmp_path):
     assert bench.send("605#4000180100000000") == ["585#4300180185010080"]
 
 
+def test_a_record_of_texts_is_no_pdo(tmp_path):
+    texts = record("1800", (TEXT, "0x185"), (TEXT, "1")) + record(
+        "1400", (U32, "0x205"), (TEXT, "x")
+    )
+    bench = started(bench_of(tmp_path, texts))
+    assert bench.send("080#") == []
+    assert bench.send("205#0B00") == []
+    bench.send("080#")  # a type that is no number is 0
+    assert bench.sdo[0x2000].raw == 11
+
+
 def test_the_mapping_is_summed_in_bits(tmp_path):
     bench = bench_of(
         tmp_path, mapping("1A00", *[0] * 9) + mappable("2002", U64) + mappable("2003", BOOLEAN)

@@ -1,6 +1,7 @@
 """TIME as a node hears and sends it, and the time stamp of 0x1013 (CiA 301, 7.2.6)."""
 
 import struct
+from dataclasses import replace
 
 import pytest
 from probe import configure
@@ -22,6 +23,13 @@ def time_frame(days, milliseconds):
 def test_a_producer_sends_days_and_milliseconds_since_1984_every_second(tmp_path):
     bench = bench_of(tmp_path, cob_id("0x40000100"))
     assert bench.run(2.5) == [time_frame(0, 1000), time_frame(0, 2000)]
+
+
+def test_the_profile_says_how_often(tmp_path):
+    bench = bench_of(tmp_path, cob_id("0x40000100"))
+    bench.device.profile = replace(bench.device.profile, time_period=0.1)
+    bench.send("000#8105")
+    assert len(bench.run(1.0)) == 10
 
 
 def test_time_that_was_heard_goes_on(tmp_path):
@@ -63,7 +71,7 @@ def test_time_is_not_sent_in_stopped(tmp_path):
 def test_bit_30_acts_when_it_is_written_and_holds_the_identifier(tmp_path):
     bench = bench_of(tmp_path, cob_id("0x100"))
     assert bench.run(2.0) == []
-    configure(bench, "605#2312100001010040".replace("0101", "0002"))
+    configure(bench, "605#2312100000020040")
     assert bench.send("605#2312100001020040") == ["585#8012100030000906"]
     assert [frame[:4] for frame in bench.run(1.0)] == ["200#"]
     configure(bench, "605#2312100000020000", "605#2312100000010000")

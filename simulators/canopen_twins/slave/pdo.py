@@ -179,11 +179,6 @@ class Pdo(Service):
         return self.identifier(self.slave, self.number)
 
     @property
-    def _is_fixed(self) -> bool:
-        """Whether it exists, so that some of its record cannot be changed."""
-        return self.cob_id is not None
-
-    @property
     def transmission_type(self) -> int:
         """When data are taken over or sent (CiA 301, tables 70 and 72)."""
         has = self.slave.has(self.record, TRANSMISSION_TYPE)

@@ -92,8 +92,9 @@ class Slave(LocalNode):
         return subindex in self.entries.get(index, ())
 
     def number(self, index: int, subindex: int = 0) -> int:
-        """The value of an entry that is a number."""
-        return int(self.entries[index][subindex].unpack(self.entries[index][subindex].read()))
+        """The value of an entry that is a number, 0 of one that its file has as something else."""
+        value = self.entries[index][subindex].unpack(self.entries[index][subindex].read())
+        return int(value) if isinstance(value, int) else 0
 
     def write(self, entry: Entry, data: bytes) -> None:
         """Take a value over, whoever it comes from.

@@ -3,6 +3,8 @@
 import struct
 from collections.abc import Mapping
 
+from canopen.objectdictionary.datatypes import UNSIGNED32
+
 from canopen_twins.bus import identifiers
 from canopen_twins.bus.clock import Timer, microseconds
 from canopen_twins.bus.frame import Frame
@@ -41,7 +43,8 @@ class Time(Service):
             COB_ID: Object(write=self._check),
             STAMP: Object(read=lambda: self.stamp, write=self._set_stamp),
         }
-        return {(index, 0): acts for index, acts in has.items() if self.slave.has(index)}
+        served = [index for index in has if self.slave.has(index)]
+        return {(index, 0): has[index] for index in served if self._is_number(index)}
 
     @property
     def now(self) -> int:
@@ -74,6 +77,9 @@ class Time(Service):
         if len(frame.data) == TIME_OF_DAY.size:
             milliseconds, days = TIME_OF_DAY.unpack(frame.data)
             self._ahead += days * DAY + (milliseconds & MILLISECONDS) - self.now
+
+    def _is_number(self, index: int) -> bool:
+        return self.slave.entries[index][0].variable.data_type == UNSIGNED32
 
     @property
     def _elapsed(self) -> int:

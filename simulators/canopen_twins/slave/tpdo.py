@@ -42,11 +42,11 @@ class EventTiming:
         self._inhibit: Timer | None = None
         self._overdue = False
 
-    def objects(self, fixed: Callable[[], bool]) -> Mapping[Address, Object]:
-        """Rules for changing the times of a PDO, given whether they are fixed at that moment."""
+    def objects(self, exists: Callable[[], bool]) -> Mapping[Address, Object]:
+        """Rules for changing the times of a PDO, given whether it exists at that moment."""
 
         def check_inhibit(value: int) -> None:
-            if fixed() and value != self._time(INHIBIT_TIME):
+            if exists() and value != self._time(INHIBIT_TIME):
                 raise Rejected("the inhibit time changes while the PDO is off")
 
         writes: Mapping[int, Callable[[int], None]] = {
@@ -137,7 +137,7 @@ class Tpdo(Pdo):
                     SYNC_START: Object(write=self._check_start),
                 }
             ),
-            **self._timing.objects(fixed=lambda: self._is_fixed),
+            **self._timing.objects(exists=lambda: self.cob_id is not None),
         }
 
     @property
@@ -217,7 +217,7 @@ class Tpdo(Pdo):
         self._composed = None
 
     def _check_start(self, value: int) -> None:
-        if self._is_fixed and value != self._setting(SYNC_START):
+        if self.cob_id is not None and value != self._setting(SYNC_START):
             raise Rejected("the SYNC start value changes while the PDO is off")
 
 
