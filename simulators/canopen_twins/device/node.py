@@ -1,6 +1,6 @@
 """A device on a wire: the path of a frame, and the services from every boot to the next."""
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from math import inf, isfinite
 from pathlib import Path
@@ -23,7 +23,7 @@ from canopen_twins.slave.error_control import (
 )
 from canopen_twins.slave.lss import LssSlave
 from canopen_twins.slave.nmt import Nmt, Reset
-from canopen_twins.slave.object import Address
+from canopen_twins.slave.object import Address, Object
 from canopen_twins.slave.sdo_server import FurtherSdoServer, SdoServer
 from canopen_twins.slave.service import Handler, Heard, Service, State
 from canopen_twins.slave.slave import Slave
@@ -71,7 +71,7 @@ class Stack:
             self.measurement = Measurement(slave, device.measured, device.timing, device.cycle)
         recall(slave, device.memory, kept, area)  # what a service fixes was right when it was kept
         for service in self._services:
-            slave.bind(service.objects)
+            slave.bind(_its_own(slave, service))
 
     @property
     def reset(self) -> Reset | None:
@@ -157,6 +157,17 @@ def _bind(slave: Slave, device: Device) -> None:
                 f" 0x{index:04X}:{subindex:02X}, which is among its objects"
             )
     slave.bind(objects, type(device).__name__)
+
+
+def _its_own(slave: Slave, service: Service) -> Mapping[Address, Object]:
+    """Without what a file has of another type than the standard: that is memory only."""
+    return {
+        address: acts
+        for address, acts in service.objects.items()
+        if service.any_type
+        or address[0] not in COMMUNICATION_AREA
+        or slave.entry(*address).is_whole
+    }
 
 
 def _services(

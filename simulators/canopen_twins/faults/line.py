@@ -23,6 +23,7 @@ from canopen_twins.faults.disturbance import (
     late,
     lost,
 )
+from canopen_twins.slave.slave import Slave
 
 
 class LineFilter(Filtering):
@@ -41,6 +42,13 @@ class ErrorPassive(LineFilter):
         """The controller has counted too many errors."""
         super().start()
         self.node.wire.error_state = ErrorState.PASSIVE
+
+    def _release(self, frame: Frame, onward: Onward, sender: Slave | None) -> None:
+        """With the last one that had to be repeated it is error active again."""
+        super()._release(frame, onward, sender)
+        if self.over:
+            with self.node.acting():
+                self.node.wire.error_state = ErrorState.ACTIVE
 
     def stop(self) -> None:
         """It has counted enough frames without one."""

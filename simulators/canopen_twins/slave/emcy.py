@@ -99,7 +99,8 @@ def register(errors: Iterable[Emcy]) -> int:
 def emcy_id(slave: Slave) -> int | None:
     """The identifier of its emergencies; none while they are switched off."""
     default = identifiers.emcy(slave.node_id)
-    return identifiers.of_cob_id(slave.number(0x1014) if slave.has(0x1014) else default)
+    said = slave.number(0x1014) if slave.has(0x1014) else 0
+    return identifiers.of_cob_id(said or default)
 
 
 def emcy_data(emcy: Emcy, bits: int) -> bytes:
@@ -243,7 +244,9 @@ class EmcyConsumer(Service):
     def __init__(self, slave: Slave, tell: Callable[[int, Emcy], None]) -> None:
         super().__init__(slave)
         self._tell = tell
-        self._named = [sub for sub in slave.entries.get(0x1028, ()) if sub]
+        self._named = [
+            sub for sub, entry in slave.entries.get(0x1028, {}).items() if sub and entry.is_whole
+        ]
         for subindex in self._named:
             give_default(slave, (0x1028, subindex), identifiers.INVALID)
 

@@ -122,6 +122,11 @@ class Entry:
         self._cell = cell
         cell[variable.subindex] = self.initial
 
+    @property
+    def is_whole(self) -> bool:
+        """Whether its type is one of integers."""
+        return self.variable.data_type in INTEGER_TYPES
+
     def _limits(self) -> tuple[Any, Any]:
         """Those of a number, as its type has them: 0.1 is not the same in 32 bits and in 64."""
         low, high = self.variable.min, self.variable.max

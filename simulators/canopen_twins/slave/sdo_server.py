@@ -232,7 +232,9 @@ class FurtherSdoServer(SdoServer):
     def all(cls, slave: Slave) -> Iterator[Service]:
         """Those that the dictionary has."""
         for index in SERVERS:
-            if slave.has(index, REQUESTS) and slave.has(index, ANSWERS):
+            record = slave.entries.get(index, {})
+            cob_ids = [record[sub] for sub in (REQUESTS, ANSWERS) if sub in record]
+            if len(cob_ids) == 2 and all(entry.is_whole for entry in cob_ids):
                 yield cls(slave, index)
 
     @property

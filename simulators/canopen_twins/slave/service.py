@@ -29,6 +29,8 @@ class Service:
     """
 
     active_in = frozenset({State.PRE_OPERATIONAL, State.OPERATIONAL, State.STOPPED})
+    any_type = False
+    """Whether it takes objects of the standard of any type; else only integers are its own."""
 
     def __init__(self, slave: Slave) -> None:
         self.slave = slave
@@ -61,7 +63,9 @@ class Service:
 def give_default(slave: Slave, address: Address, value: int) -> None:
     """Give an entry that the file leaves without a number the one that the standard has for it."""
     entry = slave.entries.get(address[0], {}).get(address[1])
-    if entry is not None and entry.variable.default is None and entry.variable.value is None:
+    if entry is None or not entry.is_whole:
+        return
+    if entry.variable.default is None and entry.variable.value is None:
         entry.write(entry.pack(value))
 
 

@@ -138,15 +138,21 @@ def _key(address: Address) -> str:
 DATE, TIME = 1, 2  # sub-indices of 0x1020
 
 
+def _is_whole(slave: Slave, index: int, subindex: int) -> bool:
+    return slave.has(index, subindex) and slave.entry(index, subindex).is_whole
+
+
 class ConfigurationCheck(Service):
     """0x1020, where a master writes when it has configured: 0 once something has changed since.
 
     A process value changes without being configured: what can be mapped does not count.
     """
 
+    any_type = True
+
     def __init__(self, slave: Slave, kept: Collection[Address]) -> None:
         super().__init__(slave)
-        self._signature = [(0x1020, sub) for sub in (DATE, TIME) if slave.has(0x1020, sub)]
+        self._signature = [(0x1020, sub) for sub in (DATE, TIME) if _is_whole(slave, 0x1020, sub)]
         self._kept = kept if self._signature else ()
         self._running = False
 
@@ -165,14 +171,17 @@ class ConfigurationCheck(Service):
         self._running = True
 
     def _on_write(self, address: Address, value: int) -> None:
-        if self._running and value != self.slave.number(*address):
+        entry = self.slave.entry(*address)
+        if self._running and value != entry.unpack(entry.read()):
             for each in self._signature:
-                entry = self.slave.entry(*each)
-                entry.write(entry.pack(0))
+                signature = self.slave.entry(*each)
+                signature.write(signature.pack(0))
 
 
 class StoredEds(Service):
-    """0x1021 and 0x1022: the file that describes the device, as it is."""
+    """0x1021: the file that describes the device, as it is."""
+
+    any_type = True
 
     def __init__(self, slave: Slave, eds: str) -> None:
         super().__init__(slave)
@@ -180,9 +189,8 @@ class StoredEds(Service):
 
     @property
     def objects(self) -> Mapping[Address, Object]:
-        """The file, and that it is not compressed."""
-        reads: Mapping[int, Callable[[], bytes | int]] = {0x1021: self._read, 0x1022: lambda: 0}
-        return {(index, 0): Object(read=reads[index]) for index in reads if self.slave.has(index)}
+        """The file; 0x1022 is as it says, and 0 for a file that is not compressed."""
+        return {(0x1021, 0): Object(read=self._read)} if self.slave.has(0x1021) else {}
 
     def _read(self) -> bytes:
         try:
