@@ -46,6 +46,7 @@ WORDS = [
     ("705#00", "boot-up"),
     ("705#05", "heartbeat operational"),
     ("707#7F", "heartbeat pre-operational"),
+    ("707#FF", "heartbeat pre-operational"),
     ("608#4014200000000000", "SDO read 0x2014:00"),
     ("00000605#4014200000000000", ""),
     ("6F5#00", ""),

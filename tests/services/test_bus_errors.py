@@ -84,6 +84,12 @@ def test_an_error_passive_controller_is_told_while_it_is(bench):
     assert bench.state == "PRE-OPERATIONAL"
 
 
+def test_a_controller_that_recovers_by_itself_is_told(bench):
+    bench.inject("error_passive", seconds=0.001, times=2)
+    bench.send("605#2B17100064000000")
+    assert bench.run(0.35) == [PASSIVE, "585#6017100000000000", BACK, *["705#7F"] * 3]
+
+
 def test_the_history_has_them(tmp_path):
     bench = bench_of(tmp_path, record("1003", (U32, ""), (U32, "")))
     bench.inject("error_passive")

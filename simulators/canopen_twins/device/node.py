@@ -63,7 +63,7 @@ class Stack:
         slave.on_communication_change = self._on_communication_change
         slave.hear = self._hear
         _bind(slave, device)
-        recall(slave, device.memory, kept, area)  # it was checked when it was stored
+        recall(slave, device.memory, kept, area)  # what a service fixes was right when it was kept
         for service in self._services:
             slave.bind(service.objects)
 

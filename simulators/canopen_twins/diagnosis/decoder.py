@@ -11,6 +11,7 @@ from canopen_twins.bus.sdo import Ccs, Scs
 from canopen_twins.device.node import Node
 from canopen_twins.slave.dictionary import address_text
 from canopen_twins.slave.emcy import Emcy, emcy_of
+from canopen_twins.slave.error_control import TOGGLE
 from canopen_twins.slave.nmt import RESETS, STATE_BYTE, TARGET
 from canopen_twins.slave.object import Entry, Rejected
 from canopen_twins.slave.pdo import Pdo, carried
@@ -91,7 +92,8 @@ def _nmt(frame: Frame, slave: Slave | None) -> str:
 def _heartbeat(frame: Frame, slave: Slave | None) -> str:
     if len(frame.data) != 1:
         return ""
-    return f"heartbeat {STATES.get(frame.data[0], '?')}" if frame.data[0] else "boot-up"
+    state = frame.data[0] & ~TOGGLE  # of an answer to node guarding
+    return f"heartbeat {STATES.get(state, '?')}" if frame.data[0] else "boot-up"
 
 
 def _pdo(frame: Frame, slave: Slave, kind: type[Pdo], number: int) -> str:

@@ -23,6 +23,7 @@ from canopen_twins.faults.disturbance import (
     late,
     lost,
 )
+from canopen_twins.slave.slave import Slave
 
 
 class LineFilter(Filtering):
@@ -41,6 +42,13 @@ class ErrorPassive(LineFilter):
         """The controller has counted too many errors."""
         super().start()
         self.node.wire.error_state = ErrorState.PASSIVE
+
+    def _release(self, frame: Frame, onward: Onward, sender: Slave | None) -> None:
+        """With the last one that had to be repeated it is error active again."""
+        super()._release(frame, onward, sender)
+        if self.over:
+            with self.node.acting():
+                self.node.wire.error_state = ErrorState.ACTIVE
 
     def stop(self) -> None:
         """It has counted enough frames without one."""
@@ -188,7 +196,8 @@ LINE: Mapping[str, FaultType] = {
     ),
     "bus_off": FaultType(
         "The node is bus off: it neither sends nor hears, and goes on as it was after that.",
-        "Silence, then heartbeats again without a boot-up: nothing of its state may be assumed.",
+        "Silence, then heartbeats again without a boot-up, and EMCY 0x8140 if the device knows it:"
+        " nothing of its state may be assumed.",
         {"seconds": Parameter("until it recovers, in s; 0: when cleared", 0.0, low=0)},
         BusOff,
     ),
