@@ -31,7 +31,7 @@ def player(folder: Path) -> Callable[[Path], Played]:
         scenario, trace, observers = load(path), StringIO(), []
         participants = {name: spec.create() for name, spec in scenario.nodes.items()}
         told = Manifest.of("play", scenario, participants)
-        with record(folder / path.stem, told, path.read_bytes()) as recorder:
+        with record(folder / path.stem, told, path.read_bytes(), {}) as recorder:
             attached = [recorder, lambda *run: observers.append(DrawnRun(*run))]
             verdict = play(scenario, trace, attached)
         return Played(scenario, verdict, trace.getvalue(), folder / path.stem, *observers)

@@ -147,8 +147,13 @@ class Segment(Generic[AnyEnd]):
                     continue
                 nodes = self._hearing(sender, frame)
             try:
+                key = frame.can_id, frame.remote
                 for node in nodes:
-                    if node.wire is not sender:
+                    wire = node.wire
+                    heard = wire.heard
+                    if heard is not None and key not in heard and not wire.incoming:
+                        continue
+                    if wire is not sender:
                         node.receive(frame)
             finally:
                 for listener in self.listeners:
