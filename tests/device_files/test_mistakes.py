@@ -1,6 +1,7 @@
 """What is wrong with a device file is told with its place, all at once."""
 
 import json
+import re
 
 import jsonschema
 import pytest
@@ -8,6 +9,7 @@ import yaml
 
 from canopen_twins import UserError, devices
 from canopen_twins.cli import main
+from canopen_twins.devices.eds import device_file
 
 from .conftest import EXAMPLES
 
@@ -207,3 +209,12 @@ def test_the_json_schema_takes_what_we_take(path, capsys):
     content["values"] = {"Voltage": {"value": 1, "rate": 2}}
     with pytest.raises(jsonschema.ValidationError):
         jsonschema.validate(content, schema)
+
+
+def test_the_reference_has_every_key():
+    page = (EXAMPLES.parent / "reference" / "device-files.md").read_text("utf-8")
+    tables = [device_file.DeviceFile, *device_file.Table.__subclasses__()]
+    ours = [table for table in tables if table.__module__ == device_file.__name__]
+    assert len(ours) == 7
+    keys = {field.alias or name for table in ours for name, field in table.model_fields.items()}
+    assert [key for key in sorted(keys) if not re.search(rf"[`{{ ]{key}\b", page)] == []
