@@ -1,13 +1,14 @@
 """What is wrong with a device file is told with its place, all at once."""
 
 import json
+import os
 import re
 
 import jsonschema
 import pytest
 import yaml
 
-from canopen_twins import UserError, devices
+from canopen_twins import Bench, UserError, devices
 from canopen_twins.cli import main
 from canopen_twins.devices.eds import device_file
 
@@ -187,6 +188,22 @@ def test_check_says_it_as_of_scenarios(write, capsys):
     )
     assert main(["check", str(write("", "right.yaml"))]) == 0
     assert capsys.readouterr().out.endswith("right.yaml: ok\n")
+
+
+def test_a_file_that_was_changed_is_read_anew(write, tmp_path):
+    path = write("values: {Voltage: {replays: day.csv}}")
+    for number in (1, 2):
+        (tmp_path / "day.csv").write_text(f"0,{number}\n")
+        os.utime(tmp_path / "day.csv", (number, number))
+        assert Bench(str(path)).values("Voltage") == {"Voltage": number}
+    assert devices.find(str(path)) is devices.find(str(path))
+
+
+def test_a_path_is_told_as_it_was_given(write, monkeypatch, tmp_path, capsys):
+    write("values: {Voltag: {value: 1}}")
+    monkeypatch.chdir(tmp_path)
+    assert main(["check", "battery.device.yaml"]) == 2
+    assert capsys.readouterr().err.startswith("battery.device.yaml:3:10: ")
 
 
 def test_check_says_what_is_unusual_in_its_eds(write, tmp_path, capsys):
