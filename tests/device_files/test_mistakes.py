@@ -1,13 +1,16 @@
 """What is wrong with a device file is told with its place, all at once."""
 
 import json
+import os
+import re
 
 import jsonschema
 import pytest
 import yaml
 
-from canopen_twins import UserError, devices
+from canopen_twins import Bench, UserError, devices
 from canopen_twins.cli import main
+from canopen_twins.devices.eds import device_file
 
 from .conftest import EXAMPLES
 
@@ -187,6 +190,22 @@ def test_check_says_it_as_of_scenarios(write, capsys):
     assert capsys.readouterr().out.endswith("right.yaml: ok\n")
 
 
+def test_a_file_that_was_changed_is_read_anew(write, tmp_path):
+    path = write("values: {Voltage: {replays: day.csv}}")
+    for number in (1, 2):
+        (tmp_path / "day.csv").write_text(f"0,{number}\n")
+        os.utime(tmp_path / "day.csv", (number, number))
+        assert Bench(str(path)).values("Voltage") == {"Voltage": number}
+    assert devices.find(str(path)) is devices.find(str(path))
+
+
+def test_a_path_is_told_as_it_was_given(write, monkeypatch, tmp_path, capsys):
+    write("values: {Voltag: {value: 1}}")
+    monkeypatch.chdir(tmp_path)
+    assert main(["check", "battery.device.yaml"]) == 2
+    assert capsys.readouterr().err.startswith("battery.device.yaml:3:10: ")
+
+
 def test_check_says_what_is_unusual_in_its_eds(write, tmp_path, capsys):
     path = write("")
     eds = tmp_path / "battery.eds"
@@ -207,3 +226,12 @@ def test_the_json_schema_takes_what_we_take(path, capsys):
     content["values"] = {"Voltage": {"value": 1, "rate": 2}}
     with pytest.raises(jsonschema.ValidationError):
         jsonschema.validate(content, schema)
+
+
+def test_the_reference_has_every_key():
+    page = (EXAMPLES.parent / "reference" / "device-files.md").read_text("utf-8")
+    tables = [device_file.DeviceFile, *device_file.Table.__subclasses__()]
+    ours = [table for table in tables if table.__module__ == device_file.__name__]
+    assert len(ours) == 7
+    keys = {field.alias or name for table in ours for name, field in table.model_fields.items()}
+    assert [key for key in sorted(keys) if not re.search(rf"[`{{ ]{key}\b", page)] == []

@@ -19,7 +19,7 @@ INTERRUPTED = 130
 NO_READER = 141
 """Whoever read our output has seen enough; as of SIGPIPE."""
 
-DEVICE = "one of `canopen-twin list`, or an EDS, DCF, XDD or XDC file"
+DEVICE = "one of `canopen-twin list`, or a device file, EDS, DCF, XDD or XDC"
 SCENARIO = "a file, or the name of one that is shipped"
 PLOT = "draw the run: .png, .svg or .html (needs the extra `plot`)"
 

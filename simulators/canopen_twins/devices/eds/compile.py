@@ -2,14 +2,14 @@
 
 import csv
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, make_dataclass, replace
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from math import isfinite
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 from canopen.objectdictionary import ODVariable
 from canopen.objectdictionary.datatypes import FLOAT_TYPES
@@ -55,8 +55,33 @@ def device_of(path: Path) -> type[Device]:
 
 def described(path: Path) -> type[Behaviour]:
     """The same for whoever tells the remarks on its EDS in another way."""
-    path = path.absolute()
-    return understand_table(path, device_file.DeviceFile, lambda file: Compiler(file, path).device)
+    place = path.absolute()
+    if place in READ and READ[place].is_current:
+        return READ[place].device
+    device = understand_table(
+        path, device_file.DeviceFile, lambda file: Compiler(file, path).device
+    )
+    READ[place] = Reading(device, _changed(device.files))
+    return device
+
+
+class Reading(NamedTuple):
+    """A device, and when each of its files had been changed."""
+
+    device: type[Behaviour]
+    changed: Sequence[int]
+
+    @property
+    def is_current(self) -> bool:
+        """Whether all of its files are as they were."""
+        return self.changed == _changed(self.device.files)
+
+
+READ: dict[Path, Reading] = {}
+
+
+def _changed(files: Sequence[Path]) -> Sequence[int]:
+    return [file.stat().st_mtime_ns if file.exists() else 0 for file in files]
 
 
 class Compiler:
@@ -65,7 +90,7 @@ class Compiler:
     def __init__(self, file: device_file.DeviceFile, path: Path) -> None:
         self.file = file
         self.path = path
-        self.files = [path]
+        self.files = [path.absolute()]
         with file.eds.blamed():
             self._described = eds.described(path.parent / file.eds.text)
         self.files += self._described.files
@@ -188,11 +213,11 @@ class Compiler:
 
     def _module(self, name: str) -> ModuleType:
         """One beside the file, before those that are installed."""
-        beside = self.path.with_name(f"{name}.py")
+        beside = self.path.absolute().with_name(f"{name}.py")
         if not beside.is_file():
             return import_module(name)
         self.files.append(beside)
-        spec = spec_from_file_location(f"{name} of {self.path.parent}", beside)
+        spec = spec_from_file_location(f"{name} of {beside.parent}", beside)
         if spec is None or spec.loader is None:
             raise ImportError(f"{beside} cannot be imported")
         module = sys.modules[spec.name] = module_from_spec(spec)
@@ -234,8 +259,8 @@ class Compiler:
             samples = _samples(path, table.column)
             if table.repeat and not samples[-1].time:
                 raise UserError(f"{path.name}: there is no time in it that could repeat")
-        if path not in self.files:
-            self.files.append(path)
+        if path.absolute() not in self.files:
+            self.files.append(path.absolute())
         return samples
 
     # Emergencies and faults
