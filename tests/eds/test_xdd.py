@@ -2,6 +2,8 @@
 
 import pytest
 
+from canopen_twins import Bench
+from canopen_twins.cli import main
 from canopen_twins.errors import UserError
 from canopen_twins.slave.eds.reader import read_eds
 
@@ -74,6 +76,16 @@ def test_what_a_configuration_says_of_the_node(xdd):
     assert information.vendor_number == 0x123
     assert information.LSS_supported
     assert 5 in eds.dictionary.indices  # the dummy
+
+
+def test_it_is_a_twin_and_its_dcf_is_another(xdd, tmp_path, capsysbinary):
+    bench = Bench(xdd())
+    assert bench.sent == ["710#00"]
+    assert bench.send("610#4000200000000000") == ["590#4B00200007000000"]
+    assert main(["eds", str(xdd()), "--set", "node_id=16"]) == 0
+    dcf = tmp_path / "drive.dcf"
+    dcf.write_bytes(capsysbinary.readouterr().out)
+    assert Bench(dcf).values() == bench.values()
 
 
 @pytest.mark.parametrize(

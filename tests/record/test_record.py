@@ -119,7 +119,7 @@ def test_a_run_that_is_cut_short_leaves_a_part(story, tmp_path):
     told = Manifest.of(
         "play", scenario, {name: spec.create() for name, spec in scenario.nodes.items()}
     )
-    with pytest.raises(KeyboardInterrupt), record(tmp_path / "record", told, b"", {}) as observer:
+    with pytest.raises(KeyboardInterrupt), record(tmp_path / "record", told, b"") as observer:
         replay.play(scenario, observers=[observer, come])
     assert not (tmp_path / "record").exists()
     part = tmp_path / "record.part"

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import TextIO
 
 from canopen_twins import devices
@@ -21,12 +22,13 @@ from canopen_twins.record.trace import Observer, read_frames
 from canopen_twins.scenario import Player, Scenario, begin, load, play, print_frames
 from canopen_twins.scenario.scenario import NodeSpec
 
+NO_FILES: Mapping[str, bytes] = MappingProxyType({})
 RUN, SCENARIO, TRACE, EVENTS = "run.json", "scenario.yaml", "trace.log", "events.jsonl"
 
 
 @contextmanager
 def record(
-    folder: Path, manifest: Manifest, scenario: bytes | None, files: Mapping[str, bytes]
+    folder: Path, manifest: Manifest, scenario: bytes | None, files: Mapping[str, bytes] = NO_FILES
 ) -> Iterator[Observer]:
     """Fills a new folder; a run that is cut short leaves it under a name that ends in `.part`.
 
