@@ -41,6 +41,29 @@ SECTIONS = {
         )
         for name, what in (("memory", "a value in memory"), ("measured", "a measured value"))
     ],
+    "A twin of a file": [
+        Figure(
+            "SDO upload, served on `virtual`",
+            "test_upload_file_twin",
+            LOCAL_NODE,
+            "test_upload_file_localnode",
+            Goal(ratio=1.0),
+        ),
+        Figure(
+            "reading a file of 1,000 entries",
+            "test_read[reader]",
+            "`canopen.import_od`",
+            "test_read[import_od]",
+            Goal(ratio=1.2),
+        ),
+        Figure(
+            "127 twins, 60 s: heartbeat 1 s, TPDO with a SYNC every 100 ms",
+            "test_many",
+            "real time",
+            60.0,
+            Goal(time=3.0),
+        ),
+    ],
     "One frame in a node": [
         Figure(
             "frame that nobody wants",

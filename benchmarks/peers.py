@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import canopen
@@ -10,6 +11,8 @@ from canopen_twins.files.shipped import od_file
 
 NODE_ID = 5
 ACTUAL_VOLTAGE = 0x2020
+EXAMPLES = Path(__file__).parent.parent / "docs" / "examples"
+FAN = EXAMPLES / "canopen-fan" / "canopen_fan" / "fan.eds"
 
 
 class Mute:
@@ -38,17 +41,17 @@ def muted() -> canopen.Network:
 
 
 @contextmanager
-def master(channel: str) -> Iterator[canopen.RemoteNode]:
+def master(channel: str, eds: str | Path = "topcon.eds") -> Iterator[canopen.RemoteNode]:
     """A master's view of the node from the other end of a `virtual` bus."""
     network = canopen.Network().connect(interface="virtual", channel=channel)
-    with network, od_file("topcon.eds") as path:
+    with network, od_file(str(eds)) as path:
         yield network.add_node(NODE_ID, str(path))
 
 
 @contextmanager
-def virtual(channel: str) -> Iterator[canopen.RemoteNode]:
-    """The same, with the `LocalNode` on the bus."""
+def virtual(channel: str, eds: Path | None = None) -> Iterator[canopen.RemoteNode]:
+    """The same, with the `LocalNode` on the bus, that of a file if it is given."""
     network = canopen.Network().connect(interface="virtual", channel=channel)
-    network.add_node(local_node())
-    with network, master(channel) as remote:
+    network.add_node(canopen.LocalNode(NODE_ID, str(eds)) if eds else local_node())
+    with network, master(channel, eds or "topcon.eds") as remote:
         yield remote

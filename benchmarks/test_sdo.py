@@ -25,10 +25,10 @@ def upload(remote, name: str) -> Callable[[], bytes]:
 
 
 @contextmanager
-def served(channel: str) -> Iterator[None]:
-    """A TopCon on a `virtual` bus, in a thread of its own."""
+def served(channel: str, device: str = "topcon") -> Iterator[None]:
+    """A twin on a `virtual` bus, in a thread of its own."""
     segment = Segment()
-    connect(segment, devices.create("topcon", node_id=peers.NODE_ID), "topcon").power_on()
+    connect(segment, devices.create(device, node_id=peers.NODE_ID), device).power_on()
     ready, stop = Event(), Event()
 
     def run() -> None:
@@ -64,3 +64,15 @@ def test_upload_served_virtual(benchmark: BenchmarkFixture, name: str):
 def test_upload_bench(benchmark: BenchmarkFixture, name: str):
     remote = Bench("topcon", node_id=peers.NODE_ID).twin.remote
     assert benchmark(upload(remote, name)) == bytes(2)
+
+
+def test_upload_file_localnode(benchmark: BenchmarkFixture):
+    """The same with the EDS of the fan, of which there is no device but the file."""
+    with peers.virtual("localnode-file", peers.FAN) as remote:
+        assert benchmark(lambda: remote.sdo.upload(0x1017, 0)) == bytes(2)
+
+
+def test_upload_file_twin(benchmark: BenchmarkFixture):
+    channel = "served-file"
+    with served(channel, str(peers.FAN)), peers.master(channel, peers.FAN) as remote:
+        assert benchmark(lambda: remote.sdo.upload(0x1017, 0)) == bytes(2)

@@ -139,8 +139,13 @@ class Segment(Generic[AnyEnd]):
         while arrived:
             sender, frame = arrived.popleft()
             try:
+                key = frame.can_id, frame.remote
                 for node in self.nodes:
-                    if node.wire is not sender:
+                    wire = node.wire
+                    heard = wire.heard
+                    if heard is not None and key not in heard and not wire.incoming:
+                        continue
+                    if wire is not sender:
                         node.receive(frame)
             finally:
                 for listener in self.listeners:

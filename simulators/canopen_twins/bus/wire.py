@@ -1,7 +1,7 @@
 """A node's end of a bus: where its frames go out, through which filters, and its event log."""
 
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container, Sequence
 from enum import Enum
 from functools import partial
 from math import inf
@@ -108,6 +108,8 @@ def through(filters: Sequence[Filter], frame: Frame, end: Onward) -> None:
 
 
 Outbox = deque[tuple["Wire", Frame]]
+Heard = tuple[int, bool]
+"""An identifier, and whether frames with it are remote ones."""
 
 
 class Wire(canopen.Network):
@@ -123,6 +125,8 @@ class Wire(canopen.Network):
         self.events = EventLog(clock)
         self.outgoing: list[Filter] = []
         self.incoming: list[Filter] = []
+        self.heard: Container[Heard] | None = None
+        """All that its end listens to, none for whatever comes: most frames are for others."""
         self.error_state = ErrorState.ACTIVE  # a fault of the line says otherwise
         self.outbox: Outbox = deque() if outbox is None else outbox
 

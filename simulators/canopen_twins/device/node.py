@@ -8,7 +8,7 @@ from pathlib import Path
 from canopen_twins.bus.clock import MICROSECONDS, Action, Clock, Scope, Timer, microseconds
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.identifiers import UNCONFIGURED
-from canopen_twins.bus.wire import Outbox, Wire, through
+from canopen_twins.bus.wire import Heard, Outbox, Wire, through
 from canopen_twins.device.device import Device
 from canopen_twins.device.faults import Faults
 from canopen_twins.errors import UserError
@@ -24,7 +24,7 @@ from canopen_twins.slave.nmt import Nmt, Reset
 from canopen_twins.slave.object import Address
 from canopen_twins.slave.pdo import Sync
 from canopen_twins.slave.sdo_server import FurtherSdoServer, SdoServer
-from canopen_twins.slave.service import Handler, Heard, Service, State
+from canopen_twins.slave.service import Handler, Service, State
 from canopen_twins.slave.slave import Slave
 from canopen_twins.slave.store import ConfigurationCheck, Store, StoredEds, recall
 
@@ -122,6 +122,7 @@ class Stack:
     def _derive(self) -> None:
         self.stale = False
         self.routes, self.publishers = {}, []
+        self.slave.wire.heard = self.routes
         for service in self._services:
             heard = list(service.listen())
             if self.state not in service.active_in:
@@ -355,6 +356,7 @@ class Node:
             self._before = self._stack.slave
             self._stack.close()
             self.wire.events.add_state(State.INITIALISING)
+            self.wire.heard = ()
             self._stack = None
 
 

@@ -3,7 +3,7 @@
 import pickle
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import cache
+from functools import cache, lru_cache
 from typing import TypeVar
 
 from canopen import ObjectDictionary
@@ -15,8 +15,11 @@ from canopen_twins.files.shipped import od_file
 from canopen_twins.slave.eds.reader import Eds, entries_of, read_eds
 
 
-def read(eds: str, modules: Sequence[int] | None = None) -> Eds:
-    """Read a file of od/, or a path.
+@lru_cache(maxsize=1)  # whoever looks at a file makes twins of it next
+def read(eds: str, modules: tuple[int, ...] | None = None, version: int = 0) -> Eds:
+    """Read a file of od/, or a path; nobody changes what is returned.
+
+    A file is read once: whoever knows that it may have changed names another `version`.
 
     Raises:
         UserError: it cannot be read, or describes no dictionary.
@@ -26,9 +29,9 @@ def read(eds: str, modules: Sequence[int] | None = None) -> Eds:
 
 
 @cache
-def _imported(eds: str, modules: tuple[int, ...] | None, _: int) -> bytes:
-    """Read once a file. Unpickling is twenty times as fast."""
-    file = read(eds, modules)
+def _imported(eds: str, modules: tuple[int, ...] | None, version: int) -> bytes:
+    """Unpickling is twenty times as fast as reading."""
+    file = read(eds, modules, version)
     return pickle.dumps((file.dictionary, file.relative))
 
 
@@ -37,7 +40,7 @@ def dictionary(
 ) -> ObjectDictionary:
     """A fresh object dictionary from a file of od/ (or a path), with `$NODEID` filled in.
 
-    A file is read once: whoever knows that it may have changed names another `version`.
+    Its `version` is that of `read`.
 
     Raises:
         UserError: the file cannot be read, or describes no dictionary.

@@ -5,11 +5,11 @@ from enum import StrEnum
 
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.identifiers import CAN_ID, INVALID, RESERVED, is_restricted
+from canopen_twins.bus.wire import Heard
 from canopen_twins.slave.object import Address, Object, Rejected
 from canopen_twins.slave.slave import Slave
 
 Handler = Callable[[Frame], None]
-Heard = tuple[int, bool]
 Listening = Iterable[tuple[Heard, Handler]]
 
 

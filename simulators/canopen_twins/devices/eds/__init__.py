@@ -5,7 +5,7 @@ somebody sets it. Every service that the file declares is there.
 """
 
 import logging
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -50,18 +50,20 @@ class Device(Settable):
     profile = Profile(block=True, longest_transfer=1 << 20, tells_bus_errors=True)
     remarks: tuple[Remark, ...] = ()
     """What is wrong or unusual in the file."""
+    has_lss = False
+    """Whether its file says so."""
     version = 0
     """When its file was changed, so that a file that was edited is read anew."""
 
     @property
-    def modules(self) -> Sequence[int] | None:
+    def modules(self) -> tuple[int, ...] | None:
         """What is plugged in, none for what the file says.
 
         Raises:
             UserError: not numbers with commas between them.
         """
         try:
-            return [int(word) for word in self.settings.modules.split(",")] or None
+            return tuple(int(word) for word in self.settings.modules.split(","))
         except ValueError:
             if not self.settings.modules:
                 return None
@@ -81,7 +83,7 @@ class Device(Settable):
                 no numbers.
         """
         node_id = self.settings.node_id
-        if node_id not in NODE_IDS and not (node_id == UNCONFIGURED and self._has_lss):
+        if node_id not in NODE_IDS and not (node_id == UNCONFIGURED and self.has_lss):
             raise UserError(f"node id {node_id} is not in 1..127")
         _ = self.modules
 
@@ -105,17 +107,7 @@ class Device(Settable):
     @property
     def stored(self) -> Collection[Address]:
         """Everything that a master may set and read back."""
-        return [
-            (index, subindex)
-            for index, item in self.dictionary().indices.items()
-            if index >= 0x1000 and index not in COMMANDS
-            for subindex, variable in entries_of(item).items()
-            if variable.writable and variable.readable and variable.data_type != DOMAIN
-        ]
-
-    @property
-    def _has_lss(self) -> bool:
-        return bool(dictionary(self.eds, 0).device_information.LSS_supported)
+        return _settable(self.eds, self.modules, self.version)
 
     def on_emcy(self, node_id: int, emcy: Emcy) -> None:
         """The last one of each node is shown."""
@@ -129,8 +121,19 @@ class Device(Settable):
     def services(self, slave: Slave) -> Iterable[Service]:
         """LSS, if the file says so."""
         yield from super().services(slave)
-        if self._has_lss:
+        if self.has_lss:
             yield LssSlave(slave, self.network)
+
+
+@cache
+def _settable(eds: str, modules: tuple[int, ...] | None, version: int) -> Collection[Address]:
+    return [
+        (index, subindex)
+        for index, item in dictionary(eds, 0, modules, version).indices.items()
+        if index >= 0x1000 and index not in COMMANDS
+        for subindex, variable in entries_of(item).items()
+        if variable.writable and variable.readable and variable.data_type != DOMAIN
+    ]
 
 
 def device_of(path: Path) -> type[Device]:
@@ -161,7 +164,7 @@ def described(path: Path) -> type[Device]:
 
 @cache
 def _described(path: Path, name: str, version: int) -> type[Device]:
-    file = read(str(path))
+    file = read(str(path), None, version)
     told = file.dictionary.device_information
     words = " ".join(filter(None, (told.vendor_name, told.product_name)))
     node_id = file.node_id or DELIVERED
@@ -178,6 +181,7 @@ def _described(path: Path, name: str, version: int) -> type[Device]:
             "title": f"{words} ({name})" if words else name,
             "bit_rate": file.dictionary.bitrate,
             "files": (path, *file.files),
+            "has_lss": bool(told.LSS_supported),
             "remarks": tuple(file.remarks),
             "settings": Settings(node_id=node_id),
         },
