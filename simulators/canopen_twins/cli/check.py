@@ -13,7 +13,7 @@ from canopen_twins import devices
 from canopen_twins import scenario as rules
 from canopen_twins.bench.bench import Bench
 from canopen_twins.cli.command import OK, SCENARIO, WRONG_INPUT, Parser
-from canopen_twins.devices.eds import compile as device_files
+from canopen_twins.device.device import Device
 from canopen_twins.devices.eds import described
 from canopen_twins.errors import UserError, unknown
 from canopen_twins.files.document import Item, understand
@@ -53,16 +53,25 @@ def _remarks(name: str) -> Sequence[str]:
     """
     path = Path(name)
     if devices.tells_of_device(name):
-        in_yaml = path.suffix.lower() in devices.YAML
-        kind = device_files.described(path) if in_yaml else described(path)
+        kind, eds = _described(path)
         Bench(kind)  # it boots
-        eds = relpath(kind.eds) if in_yaml else name
-        return [remark.told(eds) for remark in kind.remarks]
+        return [remark.told(eds) for remark in described(eds).remarks]
     if path.exists() and understand(path, _is_bench):
         rules.load_bench(path)
     else:
         load(name)
     return ()
+
+
+def _described(path: Path) -> tuple[type[Device], Path]:
+    """The device of a file, and the EDS that it has or is."""
+    if path.suffix.lower() not in devices.YAML:
+        return described(path), path
+    # pydantic, which a run without a scenario starts without
+    from canopen_twins.devices.eds import compile as device_files  # noqa: PLC0415
+
+    kind = device_files.described(path)
+    return kind, Path(relpath(kind.eds))
 
 
 def _is_bench(file: Item) -> bool:

@@ -22,7 +22,6 @@ from canopen_twins.devices.eds.model import (
     step,
 )
 from canopen_twins.devices.eds.settable import Settable
-from canopen_twins.files.sections import Remark
 from canopen_twins.slave.emcy import Emcy
 from canopen_twins.slave.object import Address, Object, Value
 
@@ -101,8 +100,6 @@ class Behaviour(Settable):
     """Stands before a class, and does what `told` says beside what that does."""
 
     told: ClassVar[Told] = Told()
-    remarks: tuple[Remark, ...] = ()
-    """What is wrong or unusual in its EDS."""
 
     def make_model(self) -> None:
         """Values begin anew."""

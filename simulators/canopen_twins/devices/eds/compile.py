@@ -53,7 +53,7 @@ def device_of(path: Path) -> type[Device]:
     return kind
 
 
-def described(path: Path) -> type[Behaviour]:
+def described(path: Path) -> type[Device]:
     """The same for whoever tells the remarks on its EDS in another way."""
     place = path.absolute()
     if place in READ and READ[place].is_current:
@@ -68,7 +68,7 @@ def described(path: Path) -> type[Behaviour]:
 class Reading(NamedTuple):
     """A device, and when each of its files had been changed."""
 
-    device: type[Behaviour]
+    device: type[Device]
     changed: Sequence[int]
 
     @property
@@ -104,7 +104,7 @@ class Compiler:
         }
 
     @property
-    def device(self) -> type[Behaviour]:
+    def device(self) -> type[Device]:
         """The class: what the file says, in front of what the EDS or Python say."""
         values = dict(self._values())
         emergencies = list(self._emergencies())
