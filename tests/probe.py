@@ -31,8 +31,9 @@ class Probe(Device):
     emergencies = ()
     nmt_state = None
 
-    def __init__(self, node_id=5, **profile):
-        super().__init__(node_id=node_id)
+    def __init__(self, node_id=5, **given):
+        profile = {name: given.pop(name) for name in [*given] if hasattr(Profile, name)}
+        super().__init__(node_id=node_id, **given)
         self.profile = Profile(**profile)
         self.told = []
         self.frames = 0

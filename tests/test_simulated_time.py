@@ -59,10 +59,10 @@ def test_an_answer_takes_its_time_on_the_wire(inside, node):
 
 
 def test_on_a_bus_with_a_bit_rate_request_and_answer_take_their_time_once(inside, node):
-    inside.segment.limit(125_000)
+    inside.segment.limit(500_000)
     assert node.sdo["Nominal voltage"].raw == 400
     request, answer = (record.frame for record in inside.trace[-2:])
-    taken = (length(request) + length(answer)) / 125_000
+    taken = (length(request) + length(answer)) / 500_000
     assert inside.clock.now == pytest.approx(taken, abs=1e-6)
 
 

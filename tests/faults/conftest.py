@@ -11,8 +11,8 @@ READ_VERSION = "605#400A100000000000"
 
 @pytest.fixture
 def topcon() -> Bench:
-    """A TopCon as node 5 in Operational: heartbeat every 100 ms, TPDO 1 with every SYNC."""
-    bench = Bench("topcon", node_id=5)
+    """Node 5 in Operational, at 125 kbit/s: heartbeat every 100 ms, TPDO 1 with every SYNC."""
+    bench = Bench("topcon", node_id=5, br=4)
     bench.sdo["Producer Heartbeat Time"].raw = 100
     bench.sdo[0x1800][2].raw = 1
     bench.send(START)

@@ -167,7 +167,7 @@ def test_frames_take_their_time_where_the_story_says_so(run, pytester):
     (pytester.path / "slow.yaml").write_text("""\
 version: 1
 bit_rate: 125000
-node: {device: topcon, node_id: 5}
+node: {device: topcon, node_id: 5, settings: {br: 4}}
 steps:
   - {at: 0, expect: {frame: "705#00", within: 0.01}}
 """)

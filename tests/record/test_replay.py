@@ -104,7 +104,7 @@ version: 1
 seed: 7
 bit_rate: 125000
 nodes:
-  right: {device: topcon, node_id: 6}
+  right: {device: topcon, node_id: 6, settings: {br: 4}}
   left: {device: charger, node_id: 5}
 steps:
   - {at: 0.3, node: right, inject: {heartbeat_jitter: {seconds: 0.05}}}

@@ -54,7 +54,7 @@ def test_everything_that_is_wrong_is_told_at_once_in_the_order_of_the_file(probl
         """
     assert problems(text) == [
         "1:10: version 2 is unknown; this program reads 1",
-        "2:35: unknown key 'id': there is device, node_id, settings",
+        "2:35: unknown key 'id': there is device, node_id, settings, timing",
         "3:1: unknown key 'nots': did you mean 'note'?",
         "5:10: -1 s is not in 0..86400 s",
         "6:18: unknown NMT command 'sart': did you mean 'start'?",

@@ -72,7 +72,7 @@ def _run(options: argparse.Namespace, signals: Signals) -> int:
     participants = _participants(options, scenario)
     nodes = {name: connect(segment, device, name) for name, device in participants.items()}
     player = Player(scenario, segment, nodes) if scenario else None
-    _tune(segment, options.bitrate)
+    _tune(segment, getattr(options, "bitrate", None))
     bus = named_bus(options)
     ready = {**_ready(_title(options, scenario), segment), **bus.told}
     with _off_in_the_end(segment):
@@ -146,14 +146,15 @@ def _participants(options: argparse.Namespace, scenario: Scenario | None) -> dic
     """
     if "/" in (options.device or "") or str(options.device).endswith((".yaml", ".yml")):
         _refuse(options, options.device, (*OF_ONE_DEVICE, "scenario"))
-        return _delivered(_of_bench(options.device))
+        return {name: _real(spec).create() for name, spec in _of_bench(options.device).items()}
     if scenario is not None:
         return _of_scenario(options, scenario)
     if options.device is None:
         taken = f"; {options.hub} was taken for the hub" if options.hub in devices.names() else ""
         hint = f"say which device, or --scenario with a file that does{taken}"
         raise UserError(f"nothing to run: {hint}")
-    return {options.device: _equipped(options, NodeSpec(devices.find(options.device), {}))}
+    spec = _real(NodeSpec(devices.find(options.device), {}))
+    return {options.device: _equipped(options, spec)}
 
 
 def _of_bench(name: str) -> Mapping[str, NodeSpec]:
@@ -176,7 +177,7 @@ def _of_scenario(options: argparse.Namespace, scenario: Scenario) -> dict[str, D
     if options.device is not None:
         raise UserError(f"{about}: leave {options.device} out, and all of them are run")
     _refuse(options, str(scenario.file), OF_ONE_DEVICE)
-    return _delivered(scenario.nodes)
+    return {name: spec.create() for name, spec in scenario.nodes.items()}
 
 
 def _refuse(options: argparse.Namespace, file: str, names: Iterable[str]) -> None:
@@ -185,20 +186,16 @@ def _refuse(options: argparse.Namespace, file: str, names: Iterable[str]) -> Non
             raise UserError(f"{file} says all about its nodes: leave --{name} out")
 
 
-def _delivered(nodes: Mapping[str, NodeSpec]) -> dict[str, Device]:
-    return {name: _created(spec) for name, spec in nodes.items()}
-
-
-def _created(spec: NodeSpec, given: Mapping[str, object] | None = None) -> Device:
-    """With the times of a real device, where nobody says otherwise."""
+def _real(spec: NodeSpec) -> NodeSpec:
+    """With the times of a real device, unless it says others; a scenario is judged by its own."""
     timed = isinstance(spec.device.settings, TimingSettings)
     usual = {"timing": "typical"} if timed else {}
-    return spec.device(**{**usual, **spec.settings, **(given or {})})
+    return NodeSpec(spec.device, {**usual, **spec.settings})
 
 
 def _equipped(options: argparse.Namespace, spec: NodeSpec) -> Device:
     """With what the command line has to say, which is the last word."""
-    device = _created(spec, device_settings(options))
+    device = spec.device(**{**spec.settings, **device_settings(options)})
     if options.nvram is not None:
         device.memory = Memory(options.nvram)
     return device
