@@ -121,7 +121,7 @@ def test_every_device_has_measured_values(device, settings, name):
 
 def test_a_gateway_tells_the_same_by_tpdo_and_by_sdo():
     bench = Bench("gateway", node_id=5, measure_time=0.1, noise=40)
-    bench.run(5.0)
+    bench.run(5.09)
     bench.send("000#0105")
     known = bench.device.system.dictionary.tpdos
     number, pdo = next(each for each in known.items() if each[1].entries[0].index == 0x2001)

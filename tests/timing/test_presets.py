@@ -100,6 +100,15 @@ def test_a_story_begins_when_all_have_booted(tmp_path):
     ]
 
 
+def test_a_run_without_a_story_begins_there_too(monkeypatch):
+    def look(segment, *_):
+        assert [str(frame) for _, frame in segment.outbox] == ["705#00"]
+        assert segment.clock.now == 0
+
+    monkeypatch.setattr("canopen_twins.cli.run.serve", look)
+    assert main(["run", "charger", "-n", "5", "-i", "virtual", "-c", "boot"]) == 0
+
+
 @pytest.fixture
 def run(monkeypatch):
     """The timing of the nodes that a command line would run."""
