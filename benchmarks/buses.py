@@ -25,7 +25,7 @@ from canopen_twins.files.shipped import od_file
 ROUNDS, READS = 5, 2000
 GROUP = "239.74.163.2"
 COMMAND = (sys.executable, "-m", "canopen_twins")
-TWIN = ("run", "topcon", "-n", str(peers.NODE_ID))
+TWIN = ("run", "topcon", "-n", str(peers.NODE_ID), "--set", "timing=ideal")
 
 
 def main(names: Sequence[str]) -> None:

@@ -11,7 +11,7 @@ READ_VERSION = "605#400A100000000000"
 
 @pytest.fixture
 def topcon() -> Bench:
-    """A TopCon in Operational at 125 kbit/s: a heartbeat every 100 ms, TPDO 1 with every SYNC."""
+    """Node 5 in Operational, at 125 kbit/s: heartbeat every 100 ms, TPDO 1 with every SYNC."""
     bench = Bench("topcon", node_id=5, br=4)
     bench.sdo["Producer Heartbeat Time"].raw = 100
     bench.sdo[0x1800][2].raw = 1

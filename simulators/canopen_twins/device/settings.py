@@ -110,7 +110,8 @@ class TimingSettings:
     """
 
     timing: Literal["ideal", "typical", "worst"] = setting(
-        "ideal", "preset of the times below that are none; `run` on a bus has typical"
+        "ideal",
+        "preset of the times that are none; `run` has typical",
     )
     boot_time: float | None = setting(
         None, "from power-on, 81h and 82h to the boot-up message", unit="s", low=0

@@ -52,15 +52,17 @@ def begin(
     """Switch the nodes of a segment on, when everybody is there who wants to hear them boot."""
     for attach in observers:
         attach(segment, player)
+    _boot_until_zero(segment)
     if player is not None:
-        _boot_until_zero(segment)
         player.start()
     for node in segment.nodes:
         node.power_on()
+    if player is None:
+        segment.clock.advance_to(segment.clock.now)
 
 
 def _boot_until_zero(segment: Segment[Node]) -> None:
-    """Let power come so long before 0 s that every node boots at 0: there a story begins."""
+    """Let power come so long before 0 s that every node boots at 0: there a run begins."""
     clock, boot_times = segment.clock, {}
     for node in segment.nodes:
         if boot_time := microseconds(node.device.timing.boot_time):

@@ -99,8 +99,13 @@ class Device(device.Device):
 
     @property
     def timing(self) -> Timing:
-        """What the units need to start, `boot_time`, passes in the model."""
-        return replace(super().timing, boot_time=0.0)
+        """What the units need to start, `boot_time`, passes in the model.
+
+        Requests wait only for answers that take their time (A-60).
+        """
+        given = super().timing
+        waits = given.requests_wait and bool(given.answer_time or given.answer_jitter)
+        return replace(given, boot_time=0.0, requests_wait=waits)
 
     @property
     def measured(self) -> Collection[Address]:

@@ -49,7 +49,7 @@ class Settings(TimingSettings):
         "heartbeat", "what the monitoring of the partner begins with", assumed="A-19"
     )
 
-    busy_request: Literal["overwrites", "waits"] = setting(
+    busy_request: Literal["waits", "overwrites"] = setting(
         "waits",
         "an SDO request while others are answered: the 33rd that would wait is an overflow",
         assumed="A-60",

@@ -102,9 +102,10 @@ class Engine:
 
     def _settle(self, seconds: float) -> None:
         pressure = 2.5 + 2 * (self.speed - 700) / 800 if self.speed >= OIL_SPEED else 0.0
-        pressure *= 1 - self.oil_lost
+        if self.oil_lost:
+            pressure *= 1 - self.oil_lost
         self.oil_pressure += (pressure - self.oil_pressure) * (1 - exp(-seconds / OIL_LAG))
         air = AMBIENT + 40 * self.power / RATED_POWER
-        if self.turning:
+        if self.cooling_lost and self.turning:
             air += self.cooling_lost
         self.charge_air += (air - self.charge_air) * (1 - exp(-seconds / AIR_LAG))

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 
 from canopen_twins.devices.gateway.model import errors
-from canopen_twins.devices.gateway.model.engine import RATED_POWER, Engine
+from canopen_twins.devices.gateway.model.engine import RATED_POWER, STANDSTILL, Engine
 from canopen_twins.devices.gateway.model.inputs import Inputs
 from canopen_twins.devices.gateway.model.parameters import Scaling
 from canopen_twins.devices.gateway.model.speed_governor import (
@@ -50,20 +50,26 @@ HOT_AIR, HOTTEST_AIR = 85.0, 100.0  # degC
 
 
 class Alarms:
-    """Oil pressure and charge air of an engine that has run for a while: a warning, then a stop."""
+    """Oil pressure and charge air of an engine that runs, looked at once a second."""
 
-    def __init__(self, cycle: float) -> None:
-        self._delay = round(ALARM_DELAY / cycle)
+    def __init__(self, read: Callable[[], tuple[float, float]], cycle: float) -> None:
+        """`read` tells the oil pressure in bar and the temperature of the charge air in degC."""
+        self._read = read
+        self._delay, self._period = round(ALARM_DELAY / cycle), max(1, round(1 / cycle))
         self._running = 0  # main cycles
+        self.causes = 0
+        """Bit k is error 3000+k."""
 
     def step(self, *, running: bool) -> None:
         """One main cycle."""
-        self._running = self._running + 1 if running else 0
+        if not running:
+            self._running = self.causes = 0
+            return
+        self._running += 1
+        if self._running >= self._delay and self._running % self._period == 0:
+            self.causes = self._found(*self._read())
 
-    def causes(self, oil: float, air: float) -> int:
-        """The errors for an oil pressure in bar and a temperature in degC."""
-        if self._running < self._delay:
-            return 0
+    def _found(self, oil: float, air: float) -> int:
         found = 0
         if oil < LOW_OIL:
             found |= OIL_STOP if oil < LOWEST_OIL else OIL_WARNING
@@ -103,7 +109,7 @@ class EngineControl:
         self._scaling = scaling
         self.speed = governor
         self._breaker = GeneratorBreaker(engine, operation, governor.cycle)
-        self._alarms = Alarms(governor.cycle)
+        self._alarms = Alarms(lambda: (self._oil, self._air), governor.cycle)
 
     def step(self, present: int) -> None:
         """One main cycle; bit k of `present`: error 3000+k is reported."""
@@ -116,7 +122,7 @@ class EngineControl:
     @property
     def causes(self) -> int:
         """What is wrong with the engine at this moment; bit k is error 3000+k."""
-        causes = self._alarms.causes(self._oil, self._air)
+        causes = self._alarms.causes
         if self._engine.speed > self._operation.overspeed:
             causes |= OVERSPEED
         if self._breaker.dropped:
@@ -141,7 +147,7 @@ class EngineControl:
         speed, governor = self._engine.speed, self.speed
         running = governor.mode is Mode.RUNNING
         return {
-            "stopped": not self._engine.turning,
+            "stopped": speed < STANDSTILL,
             "cranking": governor.mode is Mode.CRANKING,
             "running": running,
             "idle": running and abs(speed - IDLE_SPEED) <= IDLE_BAND,

@@ -59,7 +59,9 @@ class GovernorProgramme(Programme):
             engine, operation, cycle / 1_000_000, catches=operation.autostart or not unit.cold
         )
         self.control = EngineControl(engine, operation, self.inputs, scaling, governor)
-        self.live |= self.control.measurements | {SPEED: self._pick_up}
+        self.live |= self.control.measurements
+        if noise.peak:
+            self.live[SPEED] = self._pick_up
         self._tpdos = tpdos(settings, scaling, cycle)
         self._words = {
             tpdo.number: [(self._reader(n), scaling.of(n)) for n in tpdo.sources.values()]

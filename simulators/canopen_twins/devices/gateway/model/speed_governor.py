@@ -103,10 +103,11 @@ class SpeedGovernor:
         """One main cycle towards the target speed, rpm; tripped: an error forbids to run."""
         self.failure = None
         self._passed += 1
-        for condition in self._conditions(tripped):
-            self._meet(condition)
-        engine = self._engine
-        engine.starter = self.mode is Mode.CRANKING
+        engine, wanted = self._engine, self._wanted(tripped)
+        if not wanted or self.mode is not Mode.RUNNING or engine.speed < STALL_SPEED:
+            for condition in self._conditions(wanted):
+                self._meet(condition)
+            engine.starter = self.mode is Mode.CRANKING
         if self.mode is Mode.RUNNING:
             engine.fuel = self._govern(target, droop)
         else:
@@ -124,9 +125,9 @@ class SpeedGovernor:
         if condition in (Condition.GIVEN_UP, Condition.STALLED):
             self.failure = condition
 
-    def _conditions(self, tripped: bool) -> list[Condition]:
+    def _conditions(self, wanted: bool) -> list[Condition]:
         speed, mode = self._engine.speed, self.mode
-        met = [Condition.START if self._wanted(tripped) else Condition.STOP]
+        met = [Condition.START if wanted else Condition.STOP]
         if speed >= RELEASE_SPEED:
             met.append(Condition.FIRED)
         elif mode is Mode.CRANKING and self._passed * self.cycle >= CRANK_TIME:
