@@ -169,6 +169,15 @@ def test_what_is_left_outlives_the_supply(quiet):
     assert quiet.sdo[0x6401][1].raw == 0
 
 
+def test_a_setting_says_how_long_an_open_terminal_holds_its_charge(quiet):
+    quiet.device.set(holding_time=2.0)
+    release(quiet)
+    quiet.inject("open_electrode")
+    quiet.sdo[0x6200][1].raw = 0
+    quiet.run(2.0)
+    assert quiet.sdo[0x6401][1].raw == pytest.approx(20000 / 2.718282, abs=1)
+
+
 def test_a_ramp_is_a_straight_line_and_stays_at_its_end():
     ramp = Ramp(start=100.0, end=200.0, begin=50, time=100)
     assert [ramp.at(tick) for tick in (50, 55, 60, 99)] == [100.0, 150.0, 200.0, 200.0]

@@ -168,15 +168,18 @@ class Output:
         disturbance *= exp(-ticks * TICK / SETTLING_TIME)
         self._now, self.regulator = point, point.regulator
         self.voltage = point.voltage + (disturbance if abs(disturbance) > SETTLED else 0.0)
-        charging = point.current - load.current(point.voltage)
-        flash = self._flash if now < self._flash_end else 0.0
-        self.current = max(0.0, load.current(self.voltage) + charging) + flash
+        self.current = point.current
+        if self.voltage != point.voltage:
+            less = load.current(point.voltage) - load.current(self.voltage)
+            self.current = max(0.0, point.current - less)
+        if now < self._flash_end:
+            self.current += self._flash
         return step
 
     def decay(self, ticks: int, load: Load) -> None:
         """Let `ticks` pass with high voltage off, or without supply: the load drains the charge."""
-        held = Held(load, self.capacitance, self.voltage, ticks * TICK)
-        self.hold(held.drained if held.drained > SETTLED else 0.0)
+        left = Held(load, self.capacitance, self.voltage, ticks * TICK).drained
+        self.hold(left if left > SETTLED else 0.0)
 
     def hold(self, voltage: float) -> None:
         """So many V are left, and nothing is fed."""
@@ -202,6 +205,8 @@ class Output:
         """Where regulators and ramp take the output with a load."""
         assert self._ramp is not None
         share, end, regulator = self._ramp.at(now), *regulate(demand, load)
+        if share == 1 and abs(self._now.voltage - end) <= SETTLED:  # most of the time
+            return Point(end, load.current(end), regulator)
         allowed = demand if share == 1 else self._on_the_way(share, demand, end, regulator)
         held = Held(load, self.capacitance, self._now.voltage, ticks * TICK)
         voltage = max(regulate(allowed, held)[0], held.drained)
