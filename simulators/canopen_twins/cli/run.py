@@ -47,6 +47,10 @@ def add_run(parser: Parser) -> None:
     """run."""
     text = f"{DEVICE}, or a bench file; with --scenario it may be left out"
     add_device(parser, text, nargs="?")
+    parser.epilog = (
+        "Booting, answering, storing and measuring take the times of --set timing=typical, unless a"
+        " file or --set says otherwise; timing=ideal is none. A scenario has its own."
+    )
     parser.add_argument("--scenario", metavar="SCENARIO", help=SCENARIO)
     text = "keep what the device stores in a file"
     parser.add_argument("--nvram", type=Path, metavar="FILE", help=text)
