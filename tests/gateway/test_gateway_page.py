@@ -54,7 +54,8 @@ def test_every_assumption_the_code_names_is_told():
 
 
 def test_the_misprints_of_the_eds_are_told():
-    comment = (ROOT / "od" / "gateway.eds").read_text("ascii").split("[FileInfo]")[0]
+    comment = (ROOT / "od" / "gateway.eds").read_text("ascii")
+    comment = comment.partition("[Comments]")[2].partition("[MandatoryObjects]")[0]
     for misprint in ("0x0x00001B59", "Defaultvalue", "SimpleBoot-up"):
         assert misprint in comment
         assert f"`{misprint}`" in PAGE

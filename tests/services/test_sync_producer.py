@@ -147,7 +147,7 @@ def test_a_sync_of_another_length_is_told_once_and_not_followed(tmp_path, value,
     assert bench.send(wrong) == ["085#4082110000000000"]
     assert bench.send(wrong) == []
     assert bench.sdo[0x1001].raw == 0x11
-    assert bench.send(right) == ["185#0900", "085#0000000000000000"]
+    assert bench.send(right) == ["085#0000000000000000", "185#0900"]
     assert bench.sdo[0x1001].raw == 0
 
 

@@ -79,7 +79,7 @@ class Twin(ABC):
         """
         self.order("clear", name)
 
-    def set(self, **settings: object) -> None:
+    def set(self, /, **settings: object) -> None:
         """Change live settings, such as the load.
 
         Of a device that a file describes also objects, by their names or addresses: what it
@@ -94,7 +94,7 @@ class Twin(ABC):
         """Switch the supply off."""
         self.order("power_off")
 
-    def power_on(self, **settings: object) -> None:
+    def power_on(self, /, **settings: object) -> None:
         """Switch the supply on, with other settings if any are given.
 
         Raises:

@@ -252,7 +252,7 @@ class Device:
         """Whether `set` takes something of this name."""
         return name in {field.name for field in fields(self.settings)}
 
-    def set(self, **given: object) -> None:
+    def set(self, /, **given: object) -> None:
         """Change settings while the device runs.
 
         Raises:
@@ -262,7 +262,7 @@ class Device:
         with self._trial(given, live=True):
             self.apply()
 
-    def configure(self, **given: object) -> None:
+    def configure(self, /, **given: object) -> None:
         """Change settings while the device is off; raises as `set` does."""
         with self._trial(given):
             self.make_model()

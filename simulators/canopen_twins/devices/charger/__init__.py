@@ -62,7 +62,7 @@ class Device(device.Device):
     """Milliseconds since the last tick of the charger."""
     measured = MEASURED
 
-    def configure(self, **given: object) -> None:
+    def configure(self, /, **given: object) -> None:
         """Change settings while the supply is off; what surrounds it is as delivered."""
         self.disturbances: dict[str, Callable[[Surroundings], Surroundings]] = {}
         super().configure(**given)

@@ -31,14 +31,12 @@ from canopen_twins.devices.eds.behaviour import (
 from canopen_twins.devices.eds.settable import bounds
 from canopen_twins.errors import UserError, unknown
 from canopen_twins.files.document import Item, Reported
-from canopen_twins.files.leaves import HIGHEST
 from canopen_twins.files.table import understand_table
 from canopen_twins.slave.dictionary import Objects, address_text
 from canopen_twins.slave.emcy import FIELD_LENGTH, Emcy
 from canopen_twins.slave.object import Address
 
 APPLICATION = 0x2000
-SEED = "seed"
 LARGEST_CSV = 16 * 1024 * 1024  # bytes
 
 
@@ -97,7 +95,6 @@ class Compiler:
         self.base = self._described if file.python is None else self._class(file.python)
         self.objects = Objects(self._described().dictionary())
         self.initial: dict[Address, float] = {}
-        self._random = False
         self._settings = {
             **{entry.name: 0.0 for entry in fields(self.base.settings)},
             **{name.text: table.default for name, table in (file.settings or {}).items() if table},
@@ -179,20 +176,17 @@ class Compiler:
     # Settings and the class
 
     def _all_settings(self) -> Any:
-        """Those of the class with those of the file, and a seed if there is chance."""
+        """Those of the class with those of the file."""
         names = {entry.name for entry in fields(self.base.settings)}
         added: list[tuple[str, type, Any]] = []
         for name, table in (self.file.settings or {}).items():
             with name.problems.at(name):
-                if name.text in names or name.text == SEED:
+                if name.text in names:
                     raise name.wrong(f"every device of this kind has a setting {name.text!r}")
                 if name.text in self.objects:
                     raise name.wrong(f"{name.text!r} is the name of an object, too: take another")
                 if table is not None:
                     added.append((name.text, float, _setting(table)))
-        if self._random and SEED not in names:
-            told = setting(1, "where chance begins", live=False, low=0, high=HIGHEST)
-            added.append((SEED, int, told))
         before = self.base.settings
         kept = {entry.name: getattr(before, entry.name) for entry in fields(before)}
         if self._described.settings.node_id != before.node_id:
@@ -244,7 +238,6 @@ class Compiler:
         initial = self.initial[variable.index, variable.subindex]
         start = self.chosen(table.start or table.value, initial)
         make = MAKES[kind](table, self)
-        self._random = self._random or kind == "wanders" or table.noise is not None
         return MovingValue(variable, _kind(variable), start, make, table.unit)
 
     def samples(self, table: device_file.ValueTable) -> list[model.Sample]:

@@ -50,7 +50,7 @@ class Settable(Device):
         """Whether `set` takes something of this name."""
         return super().knows(name) or name in Objects(self.dictionary())
 
-    def set(self, **given: object) -> None:
+    def set(self, /, **given: object) -> None:
         """Change settings and objects while the device runs.
 
         Raises:

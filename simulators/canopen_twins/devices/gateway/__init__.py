@@ -48,7 +48,7 @@ class Device(device.Device):
     profile = PROFILE
     cycle = GRID * MICROSECOND
 
-    def configure(self, **given: object) -> None:
+    def configure(self, /, **given: object) -> None:
         """Deliver both units with these settings."""
         self.units = Units()
         super().configure(**given)

@@ -47,7 +47,7 @@ class Device(device.Device):
     measured = MEASURED
     cycle = OutputStage.tick
 
-    def configure(self, **given: object) -> None:
+    def configure(self, /, **given: object) -> None:
         """Change settings while the unit is off; its switches are read at power-on (4.2, 4.3)."""
         self._module_id: int | None = None
         super().configure(**given)
@@ -203,7 +203,7 @@ class Device(device.Device):
         if refusal.code in PARAMETER_REFUSALS:
             self.card_errors.add(messages.PROTOCOL_ERROR)
 
-    def set(self, **given: object) -> None:
+    def set(self, /, **given: object) -> None:
         """Change what may change while the unit runs.
 
         A load that is named is connected anew, and the panel turns.
