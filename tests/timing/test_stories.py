@@ -44,6 +44,7 @@ EXCEPTIONS = {
         "gateway_bus_load": ANSWERING,
         "gateway_sdo_refused": ANSWERING,
         "topcon_battery_above_level": ANSWERING,
+        "topcon_battery_charged": BOOTING,
         "topcon_boot_up_lost": BOOTING,
         "topcon_boot_up_repeated": BOOTING,
         "topcon_bus_trouble": ANSWERING,
