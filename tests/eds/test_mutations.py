@@ -2,11 +2,13 @@
 
 import random
 import time
+from contextlib import suppress
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from canopen_twins import Bench
 from canopen_twins.errors import UserError
 from canopen_twins.slave.eds.reader import read_eds
 
@@ -52,6 +54,17 @@ def read(path, content):
 def test_a_file_that_was_tampered_with_is_read_or_refused(tmp_path, block):
     for seed in range(block * 100, block * 100 + 100):
         read(tmp_path / "drive.eds", mutated(seed))
+
+
+@pytest.mark.parametrize("seed", [*range(0, 2000, 20), 2108, 5558])
+def test_a_twin_of_a_file_that_was_tampered_with_lives_or_is_refused(tmp_path, seed):
+    path = tmp_path / "drive.eds"
+    path.write_bytes(mutated(seed))
+    with suppress(UserError):
+        bench = Bench(path, node_id=5)
+        for frame in ("000#0105", "080#", "605#4000100000000000", "705#R", "205#0700"):
+            bench.send(frame)
+        bench.run(0.3)
 
 
 @given(st.binary(max_size=400))

@@ -55,7 +55,7 @@ def _identity(sections: Sections, entries: Entries) -> Iterator[Remark]:
     information = sections.section("DeviceInfo")
     for key, subindex in IDENTITY.items():
         entry, said = entries.get((0x1018, subindex)), _number(information.text(key))
-        if entry is None or not said or entry.default in {None, said}:
+        if entry is None or not said or not isinstance(entry.default, int) or entry.default == said:
             continue
         words = f"{key} is {said:#x}, but 0x1018:{subindex:02X} is {entry.default:#x}: that holds"
         yield Remark(information[key].line, information.name, words)
