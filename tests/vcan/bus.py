@@ -73,6 +73,7 @@ class Twin(Process):
 
     def __init__(self, device, node_id, *options):
         command = [sys.executable, "-m", "canopen_twins", "run", device, "-n", str(node_id)]
+        command += ["--set", "timing=ideal"]  # what is measured is the device, without noise
         super().__init__(*command, "-i", "socketcan", "-c", CHANNEL, *options)
         ready = Lines(self.process.stdout).next()
         assert ready, self.process.communicate(timeout=PATIENCE)[1].decode()
