@@ -10,6 +10,10 @@ NOTES = {
         " an upload asks it for the value; `LocalNode` has neither to ask, and its bus is one that"
         " swallows messages."
     ),
+    "A twin of a file": (
+        "Its peer is `LocalNode` with the same file, and canopen's own reader of such files. A file"
+        " is read once; every further twin of it takes the dictionary from memory."
+    ),
     "Simulated time": (
         "Whatever does not move costs nothing: the model of a settled output sleeps until somebody"
         " acts or its heat reaches a level. An output that moves is computed every millisecond."
