@@ -19,8 +19,7 @@ from canopen_twins.devices.charger.model.types import TYPES, Variant
 from canopen_twins.devices.topcon.units import read_unit_types
 from canopen_twins.files.shipped import od_file
 from canopen_twins.slave.dictionary import dictionary
-from canopen_twins.slave.eds.reader import entries_of
-from canopen_twins.slave.object import Entry, Rejected
+from canopen_twins.slave.object import Entry, Rejected, entries_of
 
 
 def choices(name, kind, told):

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from canopen_twins.slave.eds.reader import entries_of, read_eds
+from canopen_twins.slave.eds.reader import read_eds
+from canopen_twins.slave.object import entries_of
 
 FILES = Path(__file__).parent / "files"
 BASE = (FILES / "00_base.eds").read_text("ascii")

@@ -150,10 +150,9 @@ class Segment(Generic[AnyEnd]):
                 key = frame.can_id, frame.remote
                 for node in nodes:
                     wire = node.wire
-                    heard = wire.heard
-                    if heard is not None and key not in heard and not wire.incoming:
+                    if wire is sender:
                         continue
-                    if wire is not sender:
+                    if wire.heard is None or key in wire.heard or wire.incoming:
                         node.receive(frame)
             finally:
                 for listener in self.listeners:

@@ -27,8 +27,8 @@ from canopen_twins.device.device import Device
 from canopen_twins.device.node import Node, wait_for_boot
 from canopen_twins.errors import UserError
 from canopen_twins.slave.eds import values
-from canopen_twins.slave.eds.reader import BIT_RATES, HIGHEST_SUB, entries_of
-from canopen_twins.slave.object import Entry, Rejected
+from canopen_twins.slave.eds.reader import BIT_RATES, HIGHEST_SUB
+from canopen_twins.slave.object import TIMES, Entry, Rejected, entries_of
 from canopen_twins.slave.slave import Slave
 
 DOMAIN_OBJECT, VAR, ARRAY, RECORD = "0x2", "0x7", "0x8", "0x9"
@@ -239,6 +239,6 @@ def _value(value: Any, packed: bytes, data_type: int) -> str:
         return repr(value)
     if data_type in INTEGER_TYPES:
         return f"0x{value:X}" if value >= 0 else str(value)
-    if data_type in values.TIMES:
+    if data_type in TIMES:
         return f"0x{int.from_bytes(packed, 'little'):X}"
     return packed.hex().upper()

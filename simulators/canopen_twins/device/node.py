@@ -61,7 +61,8 @@ class Stack:
         self._emcy = EmcyProducer(slave, log, lambda: device.emergencies, device.farewell)
         others = _services(slave, device, self._emcy, self._nmt, kept)
         self._services: list[Service] = [self._nmt, self._heartbeat, *others]
-        if slave.node_id == UNCONFIGURED:
+        self._unconfigured = slave.node_id == UNCONFIGURED
+        if self._unconfigured:
             self._services = [each for each in self._services if isinstance(each, LssSlave)]
         slave.on_communication_change = self._on_communication_change
         slave.hear = self._hear
@@ -92,7 +93,7 @@ class Stack:
 
     def follow(self) -> None:
         """Enter the state the NMT master wants, then the one the device wants."""
-        if self.slave.node_id == UNCONFIGURED:
+        if self._unconfigured:
             return
         if self._nmt.state is not self.state:
             self._announce(self._nmt.state)

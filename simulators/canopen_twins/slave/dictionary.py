@@ -4,7 +4,7 @@ import pickle
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache, lru_cache
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from canopen import ObjectDictionary
 from canopen.objectdictionary import ODVariable
@@ -12,11 +12,14 @@ from canopen.objectdictionary import ODVariable
 from canopen_twins.bus.sdo import Address
 from canopen_twins.errors import UserError, unknown
 from canopen_twins.files.shipped import od_file
-from canopen_twins.slave.eds.reader import Eds, entries_of, read_eds
+from canopen_twins.slave.object import entries_of
+
+if TYPE_CHECKING:
+    from canopen_twins.slave.eds.reader import Eds
 
 
 @lru_cache(maxsize=1)  # whoever looks at a file makes twins of it next
-def read(eds: str, modules: tuple[int, ...] | None = None, version: int = 0) -> Eds:
+def read(eds: str, modules: tuple[int, ...] | None = None, version: int = 0) -> "Eds":
     """Read a file of od/, or a path; nobody changes what is returned.
 
     A file is read once: whoever knows that it may have changed names another `version`.
@@ -24,6 +27,8 @@ def read(eds: str, modules: tuple[int, ...] | None = None, version: int = 0) -> 
     Raises:
         UserError: it cannot be read, or describes no dictionary.
     """
+    from canopen_twins.slave.eds.reader import read_eds  # noqa: PLC0415 - the import takes 15 ms
+
     with od_file(eds) as path:
         return read_eds(path, modules)
 

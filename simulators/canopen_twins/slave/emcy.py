@@ -2,7 +2,7 @@
 
 import csv
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial, reduce
 from operator import or_
@@ -164,7 +164,9 @@ class EmcyProducer(Service):
 
     def publish(self) -> None:
         """Follow what is wrong, and tell how it differs from what was told."""
-        now = self._now()
+        now = self._emergencies()
+        if self.slave.errors:
+            now = (*now, *self._of_communication())
         if now != self.log.active:
             self._follow(tuple(now))
         if self._sending and self.log.told != self.log.active:
@@ -172,11 +174,9 @@ class EmcyProducer(Service):
         if self.log.waiting:
             self._send_waiting()
 
-    def _now(self) -> Sequence[Emcy]:
-        own, others = self._emergencies(), self.slave.errors
-        if not others:
-            return own
-        return (*own, *(Emcy(code, COMMUNICATION, label=why) for why, code in others.items()))
+    def _of_communication(self) -> Iterator[Emcy]:
+        for why, code in self.slave.errors.items():
+            yield Emcy(code, COMMUNICATION, label=why)
 
     def _follow(self, now: Sequence[Emcy]) -> None:
         before, self.log.active = self.log.active, now

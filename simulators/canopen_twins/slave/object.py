@@ -7,10 +7,15 @@ from math import isfinite
 from typing import Any, NamedTuple
 
 from canopen.objectdictionary import ODVariable, datatypes
-from canopen.objectdictionary.datatypes import BOOLEAN, FLOAT_TYPES, INTEGER_TYPES
+from canopen.objectdictionary.datatypes import (
+    BOOLEAN,
+    FLOAT_TYPES,
+    INTEGER_TYPES,
+    TIME_DIFFERENCE,
+    TIME_OF_DAY,
+)
 
 from canopen_twins.errors import UserError
-from canopen_twins.slave.eds.values import TIME_SIZE, TIMES
 
 Address = tuple[int, int]
 Value = int | float | str | bytes
@@ -20,8 +25,16 @@ TYPES = {
     if isinstance(number, int) and name.isupper()
 }
 """The data types of CiA 301 by their numbers."""
+DUMMY_TYPES = range(0x0001, 0x0020)  # data types that fill gaps of a mapping, no objects (CiA 301)
+TIMES = (TIME_OF_DAY, TIME_DIFFERENCE)
+TIME_SIZE = 6  # bytes: milliseconds in 28 bits, four of no use, days in 16 (CiA 301, 7.1.6.5)
 SIZES = dict.fromkeys(TIMES, TIME_SIZE)
 """In bytes, of types that are no numbers."""
+
+
+def entries_of(item: Any) -> dict[int, ODVariable]:
+    """The entries of an object of canopen by sub-index, whatever kind of object it is."""
+    return {0: item} if isinstance(item, ODVariable) else item.subindices
 
 
 class Abort(IntEnum):

@@ -12,8 +12,7 @@ from typing import NamedTuple
 from canopen.objectdictionary.datatypes import DOMAIN, INTEGER_TYPES, UNSIGNED32
 
 from canopen_twins.bus import identifiers
-from canopen_twins.slave.eds.reader import DUMMY_TYPES
-from canopen_twins.slave.object import Abort, Address, Entry, Object, Rejected
+from canopen_twins.slave.object import DUMMY_TYPES, Abort, Address, Entry, Object, Rejected
 from canopen_twins.slave.service import Service, State, check_cob_id_change
 from canopen_twins.slave.slave import Slave
 

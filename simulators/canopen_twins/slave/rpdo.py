@@ -35,6 +35,7 @@ class Rpdo(Pdo):
         self._synced: int | None = None  # when SYNC came
         self._patience = 0  # milliseconds from one to the next, 0 for any time
         self._timer: Timer | None = None
+        self._tells = slave.profile.rpdo_emcy
 
     @property
     def types(self) -> Container[int]:
@@ -71,7 +72,7 @@ class Rpdo(Pdo):
 
     def on_data(self, frame: Frame) -> None:
         """Take the data over, or keep them for SYNC; a frame that is too short is not processed."""
-        if len(frame.data) != self._length or self.slave.errors:
+        if self._tells and (len(frame.data) != self._length or self.slave.errors):
             self._judge(len(frame.data))
         if len(frame.data) < self._length:
             reason = f"{len(frame.data)} bytes, {self._length} are mapped"

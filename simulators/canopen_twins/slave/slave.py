@@ -11,8 +11,15 @@ from canopen import LocalNode, ObjectDictionary, SdoAbortedError
 from canopen_twins.bus.clock import Scope
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.wire import Wire
-from canopen_twins.slave.eds.reader import DUMMY_TYPES, entries_of
-from canopen_twins.slave.object import Abort, Address, Entry, Object, Rejected
+from canopen_twins.slave.object import (
+    DUMMY_TYPES,
+    Abort,
+    Address,
+    Entry,
+    Object,
+    Rejected,
+    entries_of,
+)
 from canopen_twins.slave.profile import Profile
 
 
@@ -35,7 +42,8 @@ class Slave(LocalNode):
         """Off the bus for a while: nothing goes out, nothing comes in. A service says so."""
         self.restart = False
         """Whether its communication has to be reset. A service says so."""
-        self.sent = 0  # frames
+        self.on_sent: Callable[[], None] | None = None
+        """Called with every frame that goes out."""
         self.profile = profile or Profile()
         self.entries: dict[int, dict[int, Entry]] = {}
         self.on_communication_change: Callable[[], None] = lambda: None
@@ -120,8 +128,9 @@ class Slave(LocalNode):
     def send(self, frame: Frame) -> None:
         """Send a frame; lost while the slave is off the bus."""
         if not self.shut:
-            self.sent += 1
             self.wire.put(frame)
+            if self.on_sent is not None:
+                self.on_sent()
 
     def get_data(self, index: int, subindex: int, check_readable: bool = False) -> bytes:
         """What canopen's own `node.sdo[...]` reads."""

@@ -20,10 +20,9 @@ from canopen_twins.devices.eds.settable import Settable
 from canopen_twins.errors import UserError
 from canopen_twins.files.sections import Remark
 from canopen_twins.slave.dictionary import dictionary, read
-from canopen_twins.slave.eds.reader import entries_of
 from canopen_twins.slave.emcy import Emcy
 from canopen_twins.slave.lss import LssSlave
-from canopen_twins.slave.object import Address
+from canopen_twins.slave.object import Address, entries_of
 from canopen_twins.slave.profile import Profile
 from canopen_twins.slave.service import Service
 from canopen_twins.slave.slave import Slave

@@ -27,7 +27,7 @@ from canopen_twins.devices.topcon.control import Control, Scale
 from canopen_twins.devices.topcon.faults import faults
 from canopen_twins.devices.topcon.model.stage import OutputStage
 from canopen_twins.devices.topcon.model.states import Mode
-from canopen_twins.devices.topcon.panel import OwnFrames, Panel
+from canopen_twins.devices.topcon.panel import Panel
 from canopen_twins.devices.topcon.settings import Settings
 
 MODE_BIT = {Mode.OFF: 0, Mode.VOLTAGE: 1 << 1, Mode.CURRENT: 1 << 2, Mode.POWER: 1 << 3}  # Tab. 60
@@ -195,8 +195,9 @@ class Device(device.Device):
         self.panel.on_frame()
 
     def services(self, slave: Slave) -> Iterable[Service]:
-        """None on the bus; what is sent there closes RS-232 as well (5)."""
-        yield OwnFrames(slave, self.panel)
+        """None on the bus; what is sent there is communication, too, and closes RS-232 (5)."""
+        slave.on_sent = self.panel.on_frame
+        return ()
 
     def on_rpdo_refused(self, number: int, refusal: Rejected) -> None:
         """A parameter that exceeds its limit is told by EMCY (Tab. 82, A-37, A-41)."""

@@ -2,7 +2,7 @@
 
 import logging
 
-from canopen_twins.device import Abort, Rejected, Service, Slave, State
+from canopen_twins.device import Abort, Rejected, State
 
 log = logging.getLogger(__name__)
 
@@ -62,23 +62,3 @@ class Panel:
     def step(self, dt: float) -> None:
         """Time without a frame."""
         self._quiet += dt
-
-
-class OwnFrames(Service):
-    """What the node sends is communication over the bus as well (5): the panel hears of it."""
-
-    def __init__(self, slave: Slave, panel: Panel) -> None:
-        super().__init__(slave)
-        self._panel = panel
-        self._sent = 0
-
-    @property
-    def eventful(self) -> bool:
-        """A heartbeat comes without a frame before it."""
-        return True
-
-    def publish(self) -> None:
-        """Look whether there is one more."""
-        if self.slave.sent != self._sent:
-            self._sent = self.slave.sent
-            self._panel.on_frame()

@@ -21,6 +21,7 @@ from canopen_twins.files.sections import Field, Remark, Section, Sections, read_
 from canopen_twins.slave.eds import values, xdd
 from canopen_twins.slave.eds.check import MAPPING, RPDO, TPDO, check
 from canopen_twins.slave.eds.short_forms import add_compact_pdos, add_modules
+from canopen_twins.slave.object import DUMMY_TYPES, TIMES, entries_of
 
 NULL, DOMAIN_OBJECT, DEFTYPE, DEFSTRUCT, VAR, ARRAY, RECORD = 0, 2, 5, 6, 7, 8, 9
 SINGLE = (DOMAIN_OBJECT, DEFTYPE, VAR)
@@ -29,9 +30,8 @@ OBJECT = re.compile(r"(?:0[xX])?([0-9A-Fa-f]{1,4})(?:sub([0-9A-Fa-f]{1,2}))?", r
 LIST = re.compile(r"(?:0[xX])?([0-9A-Fa-f]{1,4})(Name|Value|Denotation)", re.IGNORECASE)
 SUB = re.compile("[0-9]{1,3}")
 DUMMY = re.compile(r"Dummy([0-9A-Fa-f]{1,4})", re.IGNORECASE)
-DUMMY_TYPES = range(0x0001, 0x0020)  # data types that fill gaps of a mapping, no objects (CiA 301)
 STANDARD_DUMMIES = range(1, 8)
-KNOWN_TYPES = {*ODVariable.STRUCT_TYPES, *DATA_TYPES, *values.TIMES}
+KNOWN_TYPES = {*ODVariable.STRUCT_TYPES, *DATA_TYPES, *TIMES}
 ACCESS = {"r": "ro", "w": "wo", "read": "ro", "write": "wo", "readonly": "ro", "read/write": "rw"}
 KNOWN_ACCESS = ("ro", "wo", "rw", "rwr", "rww", "const")
 BIT_RATES = (10, 20, 50, 125, 250, 500, 800, 1000)  # kbit/s
@@ -79,11 +79,6 @@ class Eds:
     node_name: str = ""
     files: list[Path] = field(default_factory=list)
     """Those beside it whose content objects have."""
-
-
-def entries_of(item: Any) -> dict[int, ODVariable]:
-    """The entries of an object of canopen by sub-index, whatever kind of object it is."""
-    return {0: item} if isinstance(item, ODVariable) else item.subindices
 
 
 def read_eds(path: Path, modules: Sequence[int] | None = None) -> Eds:

@@ -18,15 +18,13 @@ from canopen.objectdictionary.datatypes import (
     OCTET_STRING,
     REAL32,
     SIGNED_TYPES,
-    TIME_DIFFERENCE,
-    TIME_OF_DAY,
     UNICODE_STRING,
     UNSIGNED_TYPES,
     VISIBLE_STRING,
 )
 
-TIMES = (TIME_OF_DAY, TIME_DIFFERENCE)
-TIME_SIZE = 6  # bytes: milliseconds in 28 bits, four of no use, days in 16 (CiA 301, 7.1.6.5)
+from canopen_twins.slave.object import TIME_SIZE, TIMES
+
 LONGEST_DAY = 1 << 28
 BYTES = (OCTET_STRING, DOMAIN)
 TEXTS = (VISIBLE_STRING, UNICODE_STRING)
