@@ -14,6 +14,7 @@ from canopen_twins.device.settings import about
 DOCS = Path(__file__).parent.parent / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
 BLOCK = re.compile(r"^```(\w+)(?: file=(\S+))?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+LINK = re.compile(r"\]\((?!https?:)([^)#\s]+)")
 
 
 class Reader:
@@ -57,6 +58,19 @@ def page_of(device):
 def test_what_a_page_shows_works(page, pytester):
     pytester.syspathinsert()  # as for whoever types it in this directory
     Reader(page, pytester).read()
+
+
+@pytest.mark.parametrize(
+    "page", [DOCS.parent / "README.md", *PAGES], ids=lambda page: str(page.relative_to(DOCS.parent))
+)
+def test_a_page_links_to_what_is_there(page):
+    links = LINK.findall(page.read_text("utf-8"))
+    assert [link for link in links if not (page.parent / link).exists()] == []
+
+
+def test_no_two_decisions_have_the_same_number():
+    numbers = [page.name[:4] for page in sorted((DOCS / "decisions").glob("*.md"))]
+    assert numbers == sorted(set(numbers))
 
 
 def test_the_tutorial_shows_what_a_deaf_master_is_told(pytester):
