@@ -38,9 +38,8 @@ def readings(stage):
 
 
 @PLACES
-@pytest.mark.parametrize("noise", [0.0, 1.0])
-def test_a_settled_stage_takes_one_big_step_as_many_small_ones(running, load, parts, noise):
-    big, small = (running(load=load, parts=parts, noise=noise) for _ in range(2))
+def test_a_settled_stage_takes_one_big_step_as_many_small_ones(running, load, parts):
+    big, small = (running(load=load, parts=parts) for _ in range(2))
     big.step(5.0)
     for _ in range(5_000):
         small.step(0.001)

@@ -32,29 +32,6 @@ def test_no_step_moves_nothing(power_on):
     assert stage.ticks == 0
 
 
-def test_noise_is_seeded_and_stays_within_its_parts(running):
-    first, same, other = (
-        running("TCP-16-100", "resistor 1", CV, noise=1.0, seed=s) for s in (1, 1, 2)
-    )
-    traces = [[], [], []]
-    for _ in range(200):
-        for stage, trace in zip((first, same, other), traces, strict=True):
-            stage.step(0.001)
-            trace.append((stage.voltage, stage.current))
-    assert traces[0] == traces[1]
-    assert traces[0] != traces[2]
-    voltages = [voltage for voltage, _ in traces[0]]
-    assert max(voltages) - min(voltages) > 0.025  # one part, of two possible
-    assert all(abs(voltage - 50) <= 0.026 for voltage in voltages)
-    assert first.errors == ()
-    assert first.rest > 0
-
-
-def test_reading_twice_reads_the_same(running):
-    stage = running(parts=CV, noise=1.0)
-    assert readings(stage) == readings(stage)
-
-
 def test_one_big_step_through_a_transient_is_its_ticks_one_by_one(power_on):
     big, small = (power_on(load="resistor 5", parts=CV) for _ in range(2))
     for stage in (big, small):

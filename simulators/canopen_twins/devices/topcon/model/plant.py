@@ -3,14 +3,13 @@
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field
 from math import copysign, inf
-from random import Random
 from typing import ClassVar
 
 from canopen_twins.devices.topcon.model.circuit import Circuit, Law, Ramps
 from canopen_twins.devices.topcon.model.loads import Load, Open
 from canopen_twins.devices.topcon.model.states import Mode, StageState
 from canopen_twins.devices.topcon.model.thermal import HOT, WARM, HeatSink, I2tStore, derated_at
-from canopen_twins.devices.topcon.model.unit import FULL_SCALE, Connection, UnitType
+from canopen_twins.devices.topcon.model.unit import Connection, UnitType
 
 LEVEL_MARGIN = 1.1  # protection levels at power-on, as parts: 4400 (A-42)
 TOUCH = 1.001  # the derated maximum bends the output from this much above the current on
@@ -30,13 +29,11 @@ class Inputs:
     _: KW_ONLY
     load: Load = field(default_factory=Open)
     ambient: float = 25.0
-    units: int = 1  # fixed from here to `seed` once the stage is powered
+    units: int = 1  # fixed from here to `overvoltage_when_off` once the stage is powered
     connection: Connection = "parallel"
     boot_time: float = 0.0
     cooldown: float = 10.0  # K below its limit until an overtemperature is over
     overvoltage_when_off: bool = True  # A-57
-    noise: float = 0.0  # parts up and down in every reading
-    seed: int = 0
 
     voltage_reference: float = 0.0  # A-42, as the next ones
     current_reference: float = 0.0
@@ -112,12 +109,12 @@ class Plant(Inputs):
     @property
     def voltage(self) -> float:
         """V at the terminals, as measured (7.3.10)."""
-        return self.circuit.voltage + self._noise("voltage") * self.unit.nominal_voltage
+        return self.circuit.voltage
 
     @property
     def current(self) -> float:
         """A into the load, as measured (7.3.11)."""
-        return self.circuit.current + self._noise("current") * self.unit.maximum_current
+        return self.circuit.current
 
     @property
     def power(self) -> float:
@@ -221,10 +218,3 @@ class Plant(Inputs):
             *(self.heat.time_to(level, end) for level in (WARM, bend, HOT)),
             *(self.store.time_to(level, current) for level in (limit / 2, limit)),
         )
-
-    def _noise(self, channel: str) -> float:
-        """Of full scale; drawn from the time, so that reading twice reads the same."""
-        if not self.noise:
-            return 0.0
-        draw = Random(f"{self.seed} {channel} {self.ticks}").uniform(-1.0, 1.0)
-        return draw * self.noise / FULL_SCALE
