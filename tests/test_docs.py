@@ -6,7 +6,9 @@ from typing import Literal, get_args, get_origin, get_type_hints
 
 import pytest
 
-import canopen_twins.scenario.compile  # noqa: F401 - pytester forgets what comes while it works
+# pytester forgets modules that come while it works; an error would then be of another class
+import canopen_twins.bench.simulated_time.scheduler
+import canopen_twins.scenario.compile  # noqa: F401
 from canopen_twins import devices
 from canopen_twins.cli import main
 from canopen_twins.device.settings import about
