@@ -1,7 +1,7 @@
 """Eltex POWER CHARGER, types PCSC, PCMT, PCRT and PCTL, with its variants /A and /C."""
 
 import logging
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import cast
 
 from canopen import ObjectDictionary
@@ -22,10 +22,9 @@ from canopen_twins.device import (
 from canopen_twins.devices.charger import communication, messages
 from canopen_twins.devices.charger.chart import chart
 from canopen_twins.devices.charger.communication import CYCLE, HEARTBEAT, Network, Place
-from canopen_twins.devices.charger.faults import faults
+from canopen_twins.devices.charger.faults import Change, Faults
 from canopen_twins.devices.charger.model.charger import Charger
 from canopen_twins.devices.charger.model.parameters import Parameter
-from canopen_twins.devices.charger.model.surroundings import Surroundings
 from canopen_twins.devices.charger.model.ticks import MINUTE, TICK, TICK_MS
 from canopen_twins.devices.charger.model.types import Mode
 from canopen_twins.devices.charger.object_table import addresses, factory, file_name
@@ -64,7 +63,7 @@ class Device(device.Device):
 
     def configure(self, /, **given: object) -> None:
         """Change settings while the supply is off; what surrounds it is as delivered."""
-        self.disturbances: dict[str, Callable[[Surroundings], Surroundings]] = {}
+        self._disturbances: dict[str, Change] = {}
         super().configure(**given)
         self.profile = communication.profile(self.settings)
 
@@ -114,7 +113,9 @@ class Device(device.Device):
     @property
     def faults(self) -> Mapping[str, Fault]:
         """Causes with their physics, and every message."""
-        return faults(self)
+        return Faults(
+            self.charger, self.catalogue, self.memory, self._disturb, lambda: self.late
+        ).by_name
 
     @property
     def rest(self) -> float:
@@ -228,11 +229,17 @@ class Device(device.Device):
     def apply(self) -> None:
         """The surroundings follow at once, those that faults have disturbed among them."""
         wanted, present = undisturbed(self.settings), vars(self.charger.surroundings)
-        for disturb in self.disturbances.values():
+        for disturb in self._disturbances.values():
             wanted = disturb(wanted)
         changes = {name: value for name, value in vars(wanted).items() if value != present[name]}
         if changes:  # a storm that goes on must not begin anew
             self.charger.surround(**changes)
+
+    def _disturb(self, name: str, change: Change | None) -> None:
+        self._disturbances.pop(name, None)
+        if change is not None:
+            self._disturbances[name] = change
+        self.apply()
 
     def step(self, dt: float) -> None:
         """Let time pass in the charger; a minute that has passed is kept in the hour counters."""

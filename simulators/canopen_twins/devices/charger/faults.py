@@ -1,25 +1,19 @@
 """What goes wrong with a charger and around it; what cannot be is refused with `UserError`."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
-from canopen_twins.device import Fault, Parameter
+from canopen_twins.device import Fault, Memory, Parameter
 from canopen_twins.devices.charger import messages
-from canopen_twins.devices.charger.model.charger import Key
+from canopen_twins.devices.charger.model.charger import Charger, Key
 from canopen_twins.devices.charger.model.load import OPEN, SHORT
-from canopen_twins.devices.charger.model.messages import Severity
+from canopen_twins.devices.charger.model.messages import Catalogue, Severity
 from canopen_twins.devices.charger.model.release import ReleaseSource
 from canopen_twins.devices.charger.model.sparks import WINDOW, Storm
 from canopen_twins.devices.charger.model.surroundings import Surroundings
 from canopen_twins.errors import UserError, unknown
-
-if TYPE_CHECKING:
-    from canopen_twins.devices.charger import Device
-
 
 MEGA, MILLI, PERCENT = 1e6, 1e-3, 1e-2
 LOWEST_SUPPLY, HIGHEST_SUPPLY = 6.0, 40.0  # V
@@ -159,78 +153,103 @@ AROUND: Mapping[str, Around] = {
 }
 
 
-def faults(device: Device) -> Mapping[str, Fault]:
-    """Every fault by its name; the device is asked for its charger when one is used."""
-    return {
-        "spark": Fault(
-            "A spark, if high voltage is on; its steepness says what it counts as.",
-            partial(_spark, device),
-            parameters=SPARK,
-        ),
-        **{name: _around(device, name) for name in AROUND},
-        "hmi_on": Fault(
-            "Somebody gives the release at the charger itself.",
-            partial(_operate, device, Key.ON),
-            parameters=PLACE,
-        ),
-        "hmi_off": Fault(
-            "Somebody takes the release away at the charger itself.",
-            partial(_operate, device, Key.OFF),
-            parameters=PLACE,
-        ),
-        "memory_failure": Fault(
-            "The memory takes nothing any more: no 0x1010, no LSS store, no hours.",
-            partial(_wear, device, True),
-            partial(_wear, device, False),
-        ),
-        **{each.name.lower(): _message(device, each) for each in Severity},
-    }
+Change = Callable[[Surroundings], Surroundings]
 
 
-def _around(device: Device, name: str) -> Fault:
-    """Something in the surroundings is otherwise until it is cleared."""
-    text, change, parameters = AROUND[name]
+class Faults:
+    """Every fault of one charger, and what it acts upon.
 
-    def inject(**values: object) -> None:
-        change(device.charger.surroundings, **values)  # refuses before anything has changed
-        device.disturbances[name] = partial(change, **values)
-        device.apply()
+    Args:
+        charger: The model.
+        catalogue: Its messages.
+        memory: What it keeps its parameters in.
+        disturb: Has surroundings changed by a fault of that name, or no longer changed.
+        late: Milliseconds since the last tick of the charger.
+    """
 
-    def clear(**values: object) -> None:
-        device.disturbances.pop(name, None)
-        device.apply()
+    def __init__(
+        self,
+        charger: Charger,
+        catalogue: Catalogue,
+        memory: Memory,
+        disturb: Callable[[str, Change | None], None],
+        late: Callable[[], int],
+    ) -> None:
+        self._charger = charger
+        self._catalogue = catalogue
+        self._memory = memory
+        self._disturb = disturb
+        self._late = late
 
-    return Fault(text, inject, clear, parameters)
+    @property
+    def by_name(self) -> Mapping[str, Fault]:
+        """The faults."""
+        return {
+            "spark": Fault(
+                "A spark, if high voltage is on; its steepness says what it counts as.",
+                self._spark,
+                parameters=SPARK,
+            ),
+            **{name: self._around(name, around) for name, around in AROUND.items()},
+            "hmi_on": Fault(
+                "Somebody gives the release at the charger itself.",
+                partial(self._operate, Key.ON),
+                parameters=PLACE,
+            ),
+            "hmi_off": Fault(
+                "Somebody takes the release away at the charger itself.",
+                partial(self._operate, Key.OFF),
+                parameters=PLACE,
+            ),
+            "memory_failure": Fault(
+                "The memory takes nothing any more: no 0x1010, no LSS store, no hours.",
+                partial(self._wear, worn=True),
+                partial(self._wear, worn=False),
+            ),
+            **{each.name.lower(): self._message(each) for each in Severity},
+        }
 
+    def _around(self, name: str, around: Around) -> Fault:
+        """Something in the surroundings is otherwise until it is cleared."""
 
-def _message(device: Device, severity: Severity) -> Fault:
-    name = severity.name.lower()
-    return Fault(
-        f"Any {name}; its cause lasts until this fault is cleared, the {name} until 0x2003 is.",
-        lambda **told: device.charger.force(messages.find(device.catalogue, severity, **told)),
-        lambda **told: device.charger.unforce(messages.find(device.catalogue, severity, **told)),
-        MESSAGE,
-    )
+        def inject(**values: object) -> None:
+            change = partial(around.change, **values)
+            change(self._charger.surroundings)  # refuses before anything has changed
+            self._disturb(name, change)
 
+        def clear(**values: object) -> None:
+            self._disturb(name, None)
 
-def _spark(device: Device, slope: float, rise_time: float) -> None:
-    if rise_time < 0 or slope < 0:
-        raise UserError("a spark has a slope and a rise time of 0 or more")
-    duration = rise_time * MILLI
-    device.charger.spark(slope * max(WINDOW, duration), duration, device.late)  # mA/ms is A/s
+        return Fault(around.text, inject, clear, around.parameters)
 
+    def _message(self, severity: Severity) -> Fault:
+        name = severity.name.lower()
+        charger, find = self._charger, partial(messages.find, self._catalogue, severity)
+        return Fault(
+            f"Any {name}; its cause lasts until this fault is cleared, the {name} until 0x2003 is.",
+            lambda **told: charger.force(find(**told)),
+            lambda **told: charger.unforce(find(**told)),
+            MESSAGE,
+        )
 
-def _operate(device: Device, key: Key, at: str) -> None:
-    charger = device.charger
-    if at not in PLACES:
-        raise unknown("place", at, PLACES)
-    if at == KEYPAD:
-        charger.press(key)
-    else:
-        {Key.ON: charger.grant, Key.OFF: charger.revoke}[key](ReleaseSource.HMI)
+    def _spark(self, slope: float, rise_time: float) -> None:
+        if rise_time < 0 or slope < 0:
+            raise UserError("a spark has a slope and a rise time of 0 or more")
+        duration = rise_time * MILLI
+        current = slope * max(WINDOW, duration)  # mA/ms is A/s
+        self._charger.spark(current, duration, self._late())
 
+    def _operate(self, key: Key, at: str) -> None:
+        charger = self._charger
+        if at not in PLACES:
+            raise unknown("place", at, PLACES)
+        if at == KEYPAD:
+            charger.press(key)
+        else:
+            {Key.ON: charger.grant, Key.OFF: charger.revoke}[key](ReleaseSource.HMI)
 
-def _wear(device: Device, worn: bool) -> None:
-    device.memory.worn = worn
-    if message := device.catalogue.keyed(Severity.ERROR, "parameter_memory"):
-        (device.charger.force if worn else device.charger.unforce)(message)
+    def _wear(self, worn: bool) -> None:
+        charger = self._charger
+        self._memory.worn = worn
+        if message := self._catalogue.keyed(Severity.ERROR, "parameter_memory"):
+            (charger.force if worn else charger.unforce)(message)

@@ -105,7 +105,7 @@ class Device(device.Device):
     @property
     def faults(self) -> Mapping[str, Fault]:
         """Causes with their physics, and every message of chapter 8."""
-        return faults(self)
+        return faults(self.stage, self._raise_card_error)
 
     @property
     def rest(self) -> float:
@@ -202,7 +202,11 @@ class Device(device.Device):
     def on_rpdo_refused(self, number: int, refusal: Rejected) -> None:
         """A parameter that exceeds its limit is told by EMCY (Tab. 82, A-37, A-41)."""
         if refusal.code in PARAMETER_REFUSALS:
-            self.card_errors.add(messages.PROTOCOL_ERROR)
+            self._raise_card_error(messages.PROTOCOL_ERROR)
+
+    def _raise_card_error(self, code: int) -> None:
+        """By the card that sits in the unit now; a reset puts a fresh one there."""
+        self.card_errors.add(code)
 
     def set(self, /, **given: object) -> None:
         """Change what may change while the unit runs.
