@@ -12,6 +12,7 @@ from canopen_twins import scenario as simulated
 from canopen_twins.bus.segment import Segment
 from canopen_twins.cli.check import load
 from canopen_twins.cli.command import FAILED, OK, PLOT, SCENARIO, Parser
+from canopen_twins.cli.master import add_master, with_master
 from canopen_twins.cli.results import Announcer, add_recording, add_reports, recording
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
@@ -26,6 +27,7 @@ WIDTH = 60
 def add_play(parser: Parser) -> None:
     """play."""
     parser.add_argument("scenarios", nargs="+", metavar="SCENARIO", help=SCENARIO)
+    add_master(parser)
     add_reports(parser)
     parser.add_argument("--plot", type=Path, metavar="FILE", help=PLOT)
     add_recording(parser)
@@ -43,7 +45,7 @@ def play(options: argparse.Namespace) -> int:
             raise UserError(f"--{name} keeps one run: name one scenario")
     announcer = Announcer(options)
     plot = Plot(options.plot) if options.plot else None
-    scenarios = [load(name) for name in options.scenarios]
+    scenarios = [with_master(load(name), options.master) for name in options.scenarios]
     verdicts = [_play(scenario, options, announcer, plot) for scenario in scenarios]
     announcer.end()
     return OK if all(verdict.ok for verdict in verdicts) else FAILED

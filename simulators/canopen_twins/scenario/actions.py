@@ -69,6 +69,16 @@ class Limit(Action):
 
 
 @dataclass(frozen=True)
+class RunMaster(Action):
+    """The master of the file lives through it, from the first step on."""
+
+    name: str
+
+    def __str__(self) -> str:
+        return f"master {self.name}"
+
+
+@dataclass(frozen=True)
 class Inject(Action):
     """Something goes wrong, in the order of the file, and perhaps ends by itself."""
 

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from math import inf
 from pathlib import Path
 
+from canopen_twins.bench.python_master import PythonMaster
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
 from canopen_twins.files.document import Item, Reported
@@ -89,7 +90,18 @@ def _scenario(file: schema.ScenarioFile, path: Path, find: Find) -> Scenario:
         duration=file.duration,
         bit_rate=file.bit_rate,
         bit_rate_line=0 if file.bit_rate is None else file.item_of("bit_rate").line,
+        master=_master(file, path),
+        master_line=1 if file.master is None else file.item_of("master").line,
     )
+
+
+def _master(file: schema.ScenarioFile, path: Path) -> PythonMaster | None:
+    if file.master is None:
+        return None
+    item = file.item_of("master")
+    with item.problems.at(item):
+        return PythonMaster.beside(file.master, path)
+    return None
 
 
 def _take(nodes: Mapping[Item, schema.Node | None], participants: Participants) -> Participants:

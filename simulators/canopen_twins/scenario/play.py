@@ -1,6 +1,7 @@
 """How a run begins and ends: a scenario in simulated time, from power-on to its verdict."""
 
 from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager, nullcontext
 from typing import TextIO, TypeVar
 
 from canopen_twins.bench.bench import Bench
@@ -27,11 +28,16 @@ def play(
 ) -> Verdict:
     """Power on, every step, every expectation to the end of its time, and the verdict.
 
+    The master of the file, if it names one, begins when the nodes have booted.
+
     Args:
         scenario: What to play; it stays as it is.
         trace: Takes every frame in the format of `candump -L`, with simulated time.
         observers: Called with the bus and its player before anything happens.
         progress: Called with the simulated time in seconds, once a second of it or more often.
+
+    Raises:
+        UserError: the master cannot be run.
     """
     segment: Segment[Node] = Segment()
     if scenario.bit_rate is not None:
@@ -39,9 +45,17 @@ def play(
     nodes = {name: connect(segment, spec.create(), name) for name, spec in scenario.nodes.items()}
     player = Player(scenario, segment, nodes)
     begin(segment, player, observers if trace is None else [print_frames(trace), *observers])
-    segment.deliver()
-    finish(player, segment, progress)
+    with nullcontext() if scenario.master is None else _running(scenario, segment, player):
+        segment.deliver()
+        finish(player, segment, progress)
     return player.verdict
+
+
+def _running(
+    scenario: Scenario, segment: Segment[Node], player: Player
+) -> AbstractContextManager[None]:
+    assert scenario.master is not None
+    return scenario.master.running(segment, player.tell_of_master, scenario.seed)
 
 
 def begin(

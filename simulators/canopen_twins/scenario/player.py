@@ -4,12 +4,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import pairwise
 
+from canopen_twins.bench.python_master import Ended
 from canopen_twins.bus.clock import MICROSECONDS, Timer, microseconds
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
-from canopen_twins.scenario.actions import Expectation, Inject, Limit
+from canopen_twins.scenario.actions import Expectation, Inject, Limit, RunMaster
 from canopen_twins.scenario.bus_events import WHOLE_MOMENT, BusEvents, Position
 from canopen_twins.scenario.expectation_run import GRAIN, ExpectationRun, Watch
 from canopen_twins.scenario.matchers import Condition, Entered, Matcher, Written
@@ -21,6 +22,7 @@ from canopen_twins.scenario.verdict import Finding, Kind, Verdict
 from canopen_twins.slave.service import State
 
 UNDECIDED = Finding(Kind.ERROR, "the run ended before it was decided")
+WITHOUT_MASTER = Finding(Kind.SKIP, "left out: the master has ended before")
 NEVER_CAME = Finding(Kind.ERROR, "its moment never came")
 REAL = Finding(Kind.SKIP, "left out: this bus is not simulated, and has a bit rate of its own")
 PATIENCE = 60.0  # seconds; as long as it takes to start a master by hand
@@ -48,6 +50,8 @@ class StepSequence:
         self.over = False
         self.horizon = 0
         """The last microsecond of all that is known to come, of windows even if decided."""
+        self.never_came = NEVER_CAME
+        """What is said of a condition that has not been met."""
         self._resources = resources
         self._bus = resources.bus
         self._clock = resources.bus.clock
@@ -225,7 +229,7 @@ class StepSequence:
             else:
                 expected.close()
         for run in [run for run in self._left if run.waiting and not self._errors]:
-            self._give_up(run, NEVER_CAME)
+            self._give_up(run, self.never_came)
         for run in [*self._left]:
             self._give_up(run, self._left_out)
         self._resources.master.drop()
@@ -249,6 +253,8 @@ class StepSequence:
 
     @property
     def _left_out(self) -> Finding:
+        if not self._errors:  # what it stands behind never came, which was no error
+            return self.never_came
         return Finding(Kind.SKIP, f"left out after the error in line {self._errors[0].line}")
 
 
@@ -320,6 +326,15 @@ class Player:
         outcomes = self._log.outcomes([*self._steps.undecided, *self._cleanup.undecided])
         told, now = self.scenario, self._log.now
         return Verdict(str(told.file), outcomes, told.name, told.seed, seconds=now)
+
+    def tell_of_master(self, ended: Ended) -> None:
+        """The master of the file has ended otherwise than by returning."""
+        scenario = self.scenario
+        assert scenario.master is not None
+        kind = Kind.FAIL if ended.its_own else Kind.ERROR
+        step = Step(At(0), "", RunMaster(scenario.master.name), "", scenario.master_line)
+        self._log.decide(step, Finding(kind, ended.words))
+        self._steps.never_came = WITHOUT_MASTER
 
     def _hear(self, frame: Frame, sender: str) -> None:
         self._log.hear(frame, sender)

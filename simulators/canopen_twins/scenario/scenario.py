@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from canopen_twins.bench.python_master import PythonMaster
 from canopen_twins.device.device import Device
 from canopen_twins.scenario.actions import Action
 from canopen_twins.scenario.matchers import Condition
@@ -76,3 +77,7 @@ class Scenario:
     """In bit/s, for the simulated bus; None: frames take no time."""
     bit_rate_line: int = 0
     """Of the file, where it stands."""
+    master: PythonMaster | None = None
+    """Who is tested; None: whoever is on the bus, or nobody."""
+    master_line: int = 1
+    """Of the file, where it stands; its first one if somebody else has named it."""

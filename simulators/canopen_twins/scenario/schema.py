@@ -332,6 +332,8 @@ class ScenarioFile(FileOfNodes):
     """Seconds that the run lasts at least; without it conditions are waited for another 60 s."""
     bit_rate: Annotated[int, whole(*BIT_RATES)] | None = None
     """Bit/s of the simulated bus; frames take no time if it is left out."""
+    master: Text | None = None
+    """The master that is tested, MODULE:FUNCTION in Python: `play` runs it in simulated time."""
     node: Node | None = None
     """Who takes part, if it is one; its name is that of its device."""
     nodes: Nodes | None = None

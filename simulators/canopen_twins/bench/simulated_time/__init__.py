@@ -1,20 +1,27 @@
 """Simulated time for unmodified masters: their time-outs, sleeps and threads run on a bench."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from types import ModuleType
 
 from canopen_twins.bench.bench import Bench
 from canopen_twins.bench.simulated_time.bus import Buses
-from canopen_twins.bench.simulated_time.scheduler import SimulatedTimeError, enter, leave
+from canopen_twins.bench.simulated_time.scheduler import (
+    Scheduler,
+    SimulatedTimeError,
+    enter,
+    leave,
+)
 from canopen_twins.bench.simulated_time.substitution import (
     StandIns,
     Substitution,
     modules_named,
     modules_of_canopen,
 )
+from canopen_twins.bus.segment import Segment
+from canopen_twins.device.node import Node
 
-__all__ = ["SimulatedTimeError", "simulated_time"]
+__all__ = ["SimulatedTimeError", "in_simulated_time", "simulated_time"]
 
 PATIENCE = 10.0  # seconds of real time between two waits of one thread
 
@@ -35,16 +42,24 @@ def simulated_time(
         SimulatedTimeError: something cannot work in simulated time, here or in a thread.
         ImportError: there is no module of a name that is given.
     """
-    found = modules_named(modules)
+    with in_simulated_time(bench.segment, modules_named(modules), patience) as scheduler:
+        yield
+    if scheduler.failure is not None:
+        raise scheduler.failure
+
+
+@contextmanager
+def in_simulated_time(
+    segment: Segment[Node], modules: Iterable[ModuleType], patience: float = PATIENCE
+) -> Iterator[Scheduler]:
+    """The same on a segment, for modules as such; what failed in a thread is not raised."""
     with ExitStack() as undo:
-        scheduler = enter(bench.segment, patience)
+        scheduler = enter(segment, patience)
         undo.callback(leave)
         buses = Buses(scheduler)
         substitution = Substitution(StandIns(scheduler, buses.open))
         undo.callback(substitution.undo)
-        substitution.apply([*modules_of_canopen(), *found])
+        substitution.apply([*modules_of_canopen(), *modules])
         undo.callback(buses.close)
         undo.callback(scheduler.end)
-        yield
-    if scheduler.failure is not None:
-        raise scheduler.failure
+        yield scheduler
