@@ -43,6 +43,10 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
     "play": {
         "play": "play scenarios in simulated time: a trace in candump format, then the verdict"
     },
+    "conform": {
+        "conform": "play the topics of a conformance test against a slave: a twin in simulated "
+        "time, or whatever is on a bus"
+    },
     "check": {
         "check": "say what is wrong with scenarios, bench files and EDS files",
         "schema": "print the JSON Schema of scenarios, bench files or device files, for editors",

@@ -48,14 +48,19 @@ class Sections:
 @cache
 def sections(eds: str) -> Sections:
     """The table of a device by the `eds` it names: a file of od/, or a path."""
+    return Sections(table(eds, "sections"))
+
+
+def table(eds: str, kind: str) -> list[Row]:
+    """The rows of a table beside an EDS, none if it has no such table."""
     stem = Path(eds).stem
     while stem:
-        with od_file(str(Path(eds).with_name(f"{stem}_sections.csv"))) as path:
+        with od_file(str(Path(eds).with_name(f"{stem}_{kind}.csv"))) as path:
             if path.is_file():
                 with path.open(newline="", encoding="utf-8") as file:
-                    return Sections(csv.DictReader(file))
+                    return list(csv.DictReader(file))
         stem = stem.rpartition("_")[0]
-    return Sections()
+    return []
 
 
 def _keys(row: Row) -> Iterator[tuple[str, object]]:

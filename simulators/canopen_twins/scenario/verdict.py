@@ -44,6 +44,13 @@ class Outcome:
     note: str = ""
     scene: str = ""
     """The last frames in words and how the node was then, for what did not pass."""
+    topic: str = ""
+    """The number of a topic of a conformance test, which is in no line of a file."""
+
+    @property
+    def place(self) -> int | str:
+        """Where it is expected."""
+        return self.topic or self.line
 
 
 @dataclass(frozen=True)
@@ -79,7 +86,7 @@ class Verdict:
         return "\n".join(lines)
 
     def _lines(self, outcome: Outcome) -> list[str]:
-        head = f"  {outcome.kind:5} {outcome.time:12.6f} s  {self.file}:{outcome.line}: "
+        head = f"  {outcome.kind:5} {outcome.time:12.6f} s  {self.file}:{outcome.place}: "
         lines = [f"{head}{outcome.what}: {outcome.seen}"]
         if outcome.scene:
             note = [f"note: {outcome.note}"] if outcome.note else []
@@ -102,7 +109,7 @@ def as_properties(verdict: Verdict) -> Iterator[tuple[str, str]]:
     yield from _summary(verdict)
     for each in verdict.outcomes:
         if each.kind is not Kind.PASS:
-            place = f"{each.kind} {each.time:.6f} s {verdict.file}:{each.line}"
+            place = f"{each.kind} {each.time:.6f} s {verdict.file}:{each.place}"
             yield "canopen_outcome", f"{place}: {each.what}: {each.seen}"
 
 
@@ -135,7 +142,7 @@ def _outcome(outcome: Outcome) -> Mapping[str, object]:
     return {
         "verdict": outcome.kind.value,
         "time": outcome.time,
-        "line": outcome.line,
+        "line": outcome.place,
         "what": outcome.what,
         "seen": outcome.seen,
         "note": outcome.note,
@@ -168,7 +175,7 @@ def _suite(verdict: Verdict) -> Element:
         SubElement(properties, "property", name=name, value=_clean(value))
     seen: Counter[str] = Counter()
     for outcome in verdict.outcomes:
-        name = f"{outcome.line}: {outcome.what}"
+        name = f"{outcome.place}: {outcome.what}"
         seen[name] += 1
         case = SubElement(suite, "testcase", time=f"{outcome.time:.6f}")
         case.set("classname", _clean(verdict.file))
