@@ -8,9 +8,10 @@ from canopen_twins.conform.tester import (
     SILENCE,
     START,
     STOP,
+    Failed,
     Tester,
 )
-from canopen_twins.conform.topic import Failed, Group
+from canopen_twins.conform.topic import Group
 from canopen_twins.slave.service import State
 
 STATES = Group(9, "NMT states", "states")

@@ -3,8 +3,7 @@
 from collections.abc import Collection, Iterator
 
 from canopen_twins.bus import identifiers
-from canopen_twins.conform.tester import SILENCE, Tester
-from canopen_twins.conform.topic import Failed
+from canopen_twins.conform.tester import SILENCE, Failed, Tester
 
 RPDOS, TPDOS = range(0x1400, 0x1600), range(0x1800, 0x1A00)
 

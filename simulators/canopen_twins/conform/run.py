@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 from canopen_twins.conform import nmt
 from canopen_twins.conform.bus import Bus
-from canopen_twins.conform.tester import Slave, Tester
-from canopen_twins.conform.topic import Failed, Group, NotApplicable, Topic
+from canopen_twins.conform.tester import Failed, NotApplicable, Slave, Tester
+from canopen_twins.conform.topic import Group, Topic
 from canopen_twins.diagnosis.decoder import Decoder
 from canopen_twins.diagnosis.sections import sections, table
 from canopen_twins.errors import UserError

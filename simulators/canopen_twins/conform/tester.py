@@ -12,7 +12,6 @@ from canopen_twins.bus import identifiers, sdo
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.sdo import Address
 from canopen_twins.conform.bus import Bus
-from canopen_twins.conform.topic import Failed, NotApplicable
 from canopen_twins.scenario.sdo_client import ACCEPTED, Answer, Transfer, download, upload
 from canopen_twins.slave.dictionary import address_text
 from canopen_twins.slave.nmt import STATE_BYTE
@@ -26,6 +25,19 @@ BOOT_TIME = 10.0  # seconds for a boot-up message
 HEARTBEAT = 500  # milliseconds
 SILENCE = 0.3  # seconds in which a frame would have come that must not come
 KEPT = 12  # frames that are told of a topic that has failed
+
+
+class Failed(Exception):  # noqa: N818 - it is a finding, nothing has gone wrong here
+    """The slave has done something else than the standard wants, in words."""
+
+
+class NotApplicable(Exception):  # noqa: N818 - nor here
+    """There is nothing to test, and why; `index` is the object that says so, if one does."""
+
+    def __init__(self, reason: str, index: int | None = None) -> None:
+        super().__init__(reason)
+        self.index = index
+
 
 Provocation = Callable[[], AbstractContextManager[None]]
 """While it lasts something is wrong with the slave, which may be a reason for an EMCY."""

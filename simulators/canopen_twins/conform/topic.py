@@ -1,25 +1,11 @@
 """Topics of a conformance test: what a slave has to do, where that is written, and how it ends."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
-if TYPE_CHECKING:
-    from canopen_twins.conform.tester import Tester
+from canopen_twins.conform.tester import Tester
 
-
-class Failed(Exception):  # noqa: N818 - it is a finding, nothing has gone wrong here
-    """The slave has done something else than the standard wants, in words."""
-
-
-class NotApplicable(Exception):  # noqa: N818 - nor here
-    """There is nothing to test, and why; `index` is the object that says so, if one does."""
-
-    def __init__(self, reason: str, index: int | None = None) -> None:
-        super().__init__(reason)
-        self.index = index
-
-
-Play = Callable[["Tester"], None]
+Play = Callable[[Tester], None]
 """Asks the slave; raises `Failed` or `NotApplicable`, and has passed otherwise."""
 
 
