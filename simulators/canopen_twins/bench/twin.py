@@ -6,6 +6,7 @@ from contextlib import suppress
 from itertools import chain
 from typing import Any
 
+from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError, unknown
 from canopen_twins.slave.dictionary import Names, address_text
@@ -166,3 +167,20 @@ ORDERS: Mapping[str, Callable[..., None]] = {
     "power_on": _power_on,
 }
 """What is done to a node, each with the node first."""
+
+
+def carry_out(segment: Segment[Node], node: Node, word: str, *arguments: Any) -> int:
+    """Do one of `ORDERS` between two frames of a segment; who listens to its orders hears it.
+
+    Returns:
+        Its moment, in microseconds of the segment's clock; what it brings about has been sent.
+
+    Raises:
+        UserError: as the order does.
+    """
+    segment.advance_to(segment.clock.now)  # what the last frame has set off at once comes before
+    for listener in segment.order_listeners:
+        listener(node.wire.name, word, arguments)
+    ORDERS[word](node, *arguments)
+    segment.deliver()
+    return segment.clock.ticks

@@ -1,10 +1,10 @@
 """A bus whose frames take their time: one after the other, the lowest identifier first."""
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from heapq import heappop, heappush
 from itertools import count
-from typing import Generic, NamedTuple, Protocol, TypeVar
+from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 
 from canopen_twins.bus.clock import Clock
 from canopen_twins.bus.frame import Frame, length
@@ -53,6 +53,9 @@ def priority(frame: Frame) -> tuple[int, ...]:
 Listener = Callable[[Frame, str], None]
 """Called with a frame and the name of who sent it, empty for one from outside."""
 
+OrderListener = Callable[[str, str, Sequence[Any]], None]
+"""Called before something is done to a node: with its name, the order and what goes with it."""
+
 
 class Record(NamedTuple):
     """One frame on a segment."""
@@ -94,6 +97,7 @@ class Segment(Generic[AnyEnd]):
         self.nodes: list[AnyEnd] = []
         self.listeners: list[Listener] = []
         self.masters: list[Listener] = []
+        self.order_listeners: list[OrderListener] = []
         self.outbox: Outbox = deque()
         self._foreign = Wire(self.clock, self.outbox)
         self._touched: list[Callable[[], None]] = []

@@ -24,6 +24,7 @@ from canopen_twins.cli.command import (
     catch_signals,
     device_settings,
 )
+from canopen_twins.cli.control import add_control, controlled
 from canopen_twins.cli.results import Announcer, add_recording, add_reports, recording
 from canopen_twins.device.device import Device
 from canopen_twins.device.node import Node
@@ -55,6 +56,7 @@ def add_run(parser: Parser) -> None:
     text = "keep what the device stores in a file"
     parser.add_argument("--nvram", type=Path, metavar="FILE", help=text)
     add_bus(parser)
+    add_control(parser)
     add_reports(parser)
     add_recording(parser)
     add_bus_arguments(parser)
@@ -79,7 +81,8 @@ def _run(options: argparse.Namespace, signals: Signals) -> int:
     _tune(segment, getattr(options, "bitrate", None))
     bus = named_bus(options)
     ready = {**_ready(_title(options, scenario), segment), **bus.told}
-    with _off_in_the_end(segment):
+    with _off_in_the_end(segment), controlled(options, segment) as control:
+        ready |= control.told
         with recording(options, "run", scenario, participants) as observers:
             begin(segment, player, observers)
             serve(
@@ -87,6 +90,7 @@ def _run(options: argparse.Namespace, signals: Signals) -> int:
                 _opening(bus, segment),
                 lambda: bool(signals) or (player is not None and player.done),
                 lambda: print(json.dumps(ready), flush=True),
+                control.orders,
             )
         return signals.code if player is None else _told(player, announcer, signals)
 

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.live.bus import OpenBus, ReopenedBus, steady
+from canopen_twins.live.orders import Orders
 
 log = logging.getLogger(__name__)
 
@@ -18,11 +19,13 @@ def serve(
     open_bus: OpenBus,
     stopped: Callable[[], bool],
     ready: Callable[[], None] | None = None,
+    orders: Orders | None = None,
 ) -> None:
     """Run the nodes of a segment on a bus until `stopped` says so; it is asked every 20 ms.
 
     What the nodes have sent before, such as their boot-up, goes out first; `ready` is called after
-    that. A bus that fails is opened again and again, while time goes on for the nodes.
+    that. A bus that fails is opened again and again, while time goes on for the nodes. `orders` of
+    other threads are carried out between two frames, 20 ms after they were put at the latest.
 
     Raises:
         UserError: the bus cannot be opened at the start.
@@ -33,7 +36,7 @@ def serve(
         segment.deliver()
         if ready is not None:
             ready()
-        drive(segment, bus, stopped)
+        drive(segment, bus, stopped, orders=orders)
     finally:
         segment.listeners.remove(bus.transmit)
         bus.close()
@@ -44,18 +47,21 @@ def drive(
     bus: ReopenedBus,
     stopped: Callable[[], bool],
     wall: Callable[[], float] = steady,
+    orders: Orders | None = None,
 ) -> None:
     """Let a segment keep pace with the seconds of `wall` and hear what comes over a bus.
 
     The clock goes on by one deadline at a time: a model that is late leaves room for frames. After
     a gap, as of a suspended process, it goes on from where it stood.
     """
+    orders = orders or Orders()
     clock, receive, advance_to, send = segment.clock, bus.receive, segment.advance_to, segment.send
     reached = clock.now
     origin = wall() - reached
     while not stopped():
         due = clock.next_deadline
-        left = due - wall() + origin
+        busy = orders.waiting
+        left = 0.0 if busy else due - wall() + origin
         frame = receive(LONGEST_WAIT if left > LONGEST_WAIT else max(left, 0.0))
         gap = wall() - origin - reached
         if gap > LONGEST_GAP:
@@ -66,4 +72,6 @@ def drive(
         advance_to(reached)
         if frame is not None:
             send(frame)
+        if busy:
+            orders.carry_out()
     advance_to(clock.now)  # what the last frame has set off at once

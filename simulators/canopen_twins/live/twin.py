@@ -3,7 +3,6 @@
 from collections import deque
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
-from queue import Empty, SimpleQueue
 from threading import Event, Thread
 from types import TracebackType
 from typing import Any
@@ -11,12 +10,13 @@ from typing import Any
 import can
 
 from canopen_twins import devices
-from canopen_twins.bench.twin import ORDERS, QUESTIONS, Twin
+from canopen_twins.bench.twin import QUESTIONS, Twin, carry_out
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Record, Segment
 from canopen_twins.device.node import Node
 from canopen_twins.diagnosis.report import SHOWN, scene
 from canopen_twins.faults import connect
+from canopen_twins.live.orders import Orders
 from canopen_twins.live.serve import serve
 
 PATIENCE = 10.0  # seconds for the thread to do what it is asked
@@ -35,7 +35,7 @@ class LiveTwin(Twin, AbstractContextManager["LiveTwin"]):
         self._node: Node = connect(self._segment, devices.create(device, **settings), name)
         self._segment.listeners.append(self._record)
         self._records: deque[Record] = deque(maxlen=SHOWN)
-        self._orders: SimpleQueue[Callable[[], None]] = SimpleQueue()
+        self._orders = Orders()
         self._ready, self._stop = Event(), Event()
         self._bug: BaseException | None = None
         self._thread = Thread(target=self._run, name=f"twin {name}")
@@ -56,33 +56,16 @@ class LiveTwin(Twin, AbstractContextManager["LiveTwin"]):
 
     def order(self, word: str, *arguments: Any) -> None:
         """By the thread of the twin; raises `RuntimeError` if that has stopped."""
-
-        def act() -> None:
-            ORDERS[word](self._node, *arguments)
-            self._segment.deliver()
-
-        self._have_done(act)
+        self._have_done(lambda: carry_out(self._segment, self._node, word, *arguments))
 
     def ask(self, word: str, *arguments: Any) -> Any:
         """By the thread of the twin, too, as the model is not to be seen half-way."""
         return self._have_done(lambda: QUESTIONS[word](self._node, *arguments))
 
     def _have_done(self, action: Callable[[], Any]) -> Any:
-        done: SimpleQueue[tuple[Any, Exception | None]] = SimpleQueue()
-
-        def carry_out() -> None:
-            try:
-                done.put((action(), None))
-            except Exception as refusal:
-                done.put((None, refusal))
-
         if not self._thread.is_alive():
             raise RuntimeError(f"{self._thread.name} has stopped") from self._bug
-        self._orders.put(carry_out)
-        outcome, refusal = done.get(timeout=PATIENCE)
-        if refusal is not None:
-            raise refusal
-        return outcome
+        return self._orders.put(action).result(PATIENCE)
 
     def scene(self) -> str:
         """The last frames in words, how the device is, and why it answered as it did."""
@@ -91,19 +74,17 @@ class LiveTwin(Twin, AbstractContextManager["LiveTwin"]):
     def _run(self) -> None:
         try:
             self._node.power_on()
-            serve(self._segment, lambda: can.Bus(**self.bus), self._stopped, self._ready.set)
+            serve(
+                self._segment,
+                lambda: can.Bus(**self.bus),
+                self._stop.is_set,
+                self._ready.set,
+                self._orders,
+            )
         except BaseException as bug:
             self._bug = bug
         finally:
             self._ready.set()
-
-    def _stopped(self) -> bool:
-        """Asked by `serve` again and again: the moment for what others want done."""
-        while True:
-            try:
-                self._orders.get_nowait()()
-            except Empty:
-                return self._stop.is_set()
 
     def _record(self, frame: Frame, sender: str) -> None:
         self._records.append(Record(self._segment.clock.now, frame, sender))

@@ -19,8 +19,12 @@ class HubAddress(NamedTuple):
     port: int = PORT
 
     @classmethod
-    def parse(cls, text: str) -> "HubAddress":
+    def parse(cls, text: str, port: int = PORT) -> "HubAddress":
         """Read HOST:PORT, where either may be left out; numbers of IPv6 stand in brackets.
+
+        Args:
+            text: What is to be read.
+            port: The one that is meant where none is told.
 
         Raises:
             UserError: the text is no address.
@@ -30,8 +34,8 @@ class HubAddress(NamedTuple):
         )
         if not match or int(match["port"] or 0) > 0xFFFF:
             raise UserError(f"{text!r} is no address: write HOST:PORT, such as {cls()}")
-        port = PORT if match["port"] is None else int(match["port"])
-        return cls(match["host"].strip("[]") or LOOPBACK, port)
+        told = port if match["port"] is None else int(match["port"])
+        return cls(match["host"].strip("[]") or LOOPBACK, told)
 
     @property
     def is_loopback(self) -> bool:

@@ -1,0 +1,83 @@
+"""The control port of running twins: HTTP and JSON beside the bus, for any language.
+
+    schema.py   what is said                     view.py    a node as it is, in these words
+    app.py      the paths                        guard.py   who may use them
+
+Needs the extra `control`. What is asked is done by the thread of the twins (`live.orders`); HTTP is
+spoken by a thread of its own.
+"""
+
+import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
+from threading import Thread
+
+from canopen_twins.bus.hub.protocol import HubAddress
+from canopen_twins.bus.segment import Segment
+from canopen_twins.device.node import Node
+from canopen_twins.errors import UserError
+from canopen_twins.live.orders import Orders
+
+MOST_CONNECTIONS = 64
+
+
+@contextmanager
+def control_port(
+    segment: Segment[Node], orders: Orders, address: HubAddress, token: str = ""
+) -> Iterator[HubAddress]:
+    """Speaks HTTP at an address until the end, by a thread of its own.
+
+    Args:
+        segment: The bus with the nodes.
+        orders: Where its thread looks for what it is asked.
+        address: Port 0 is a free one.
+        token: What every request has to bring; may be empty on this machine only.
+
+    Yields:
+        Where it is.
+
+    Raises:
+        UserError: FastAPI or uvicorn is missing, nobody may listen there, or a token is missing.
+    """
+    if not address.is_loopback and not token:
+        raise UserError(f"{address} can be reached from other machines: say --control-token TOKEN")
+    try:
+        import uvicorn  # noqa: PLC0415 - an extra, and half a second
+
+        from canopen_twins.live.control.app import Desk, make_app  # noqa: PLC0415
+        from canopen_twins.live.control.guard import Guard  # noqa: PLC0415
+    except ModuleNotFoundError as missing:
+        hint = "pip install 'canopen-twins[control]'"
+        raise UserError(f"--control needs {missing.name}: {hint}") from missing
+    listening = _listen(address)
+    config = uvicorn.Config(
+        Guard(make_app(Desk(segment, orders)), token),
+        lifespan="off",
+        ws="none",
+        http="h11",
+        loop="asyncio",
+        log_config=None,
+        access_log=False,
+        server_header=False,
+        limit_concurrency=MOST_CONNECTIONS,
+        timeout_graceful_shutdown=1,
+    )
+    server = uvicorn.Server(config)
+    thread = Thread(target=server.run, args=([listening],), name="control port")
+    thread.start()
+    try:
+        yield HubAddress(*listening.getsockname()[:2])
+    finally:
+        orders.close()
+        server.should_exit = True
+        thread.join()
+        listening.close()
+
+
+def _listen(address: HubAddress) -> socket.socket:
+    family = socket.AF_INET6 if ":" in address.host else socket.AF_INET
+    try:
+        return socket.create_server(tuple(address), family=family)
+    except OSError as failure:
+        reason = str(failure.strerror).partition(" (")[0]  # it says once more where
+        raise UserError(f"the control port cannot listen on {address}: {reason}") from failure
