@@ -1,12 +1,62 @@
 """What can go wrong: one vocabulary for scenarios, tests and the command line."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf
 from typing import Any
 
 from canopen_twins.errors import UserError, unknown
 from canopen_twins.files.convert import convert
+
+OTHER_WORDS: Mapping[str, Sequence[str]] = {
+    "absent": ("boot_up_lost", "bus_off"),
+    "abort": ("sdo_abort",),
+    "bit_error": ("frame_corrupt",),
+    "blackout": ("power_cycle",),
+    "boot_up_missing": ("boot_up_lost",),
+    "brownout": ("brown_out",),
+    "bus_error": ("error_passive", "bus_off"),
+    "cable_break": ("bus_off",),
+    "crc_error": ("frame_corrupt",),
+    "crash": ("reset_loop",),
+    "disconnected": ("bus_off",),
+    "emcy_missing": ("emcy_lost",),
+    "emergency": ("error",),
+    "emergency_stop": ("interlock_open", "emergency_stop_lost"),
+    "frame_delayed": ("frame_late",),
+    "frame_duplicated": ("frame_doubled",),
+    "frame_missing": ("frame_lost",),
+    "heartbeat_lost": ("heartbeat_stopped",),
+    "heartbeat_missing": ("heartbeat_stopped",),
+    "heartbeat_timeout": ("heartbeat_stopped",),
+    "interlock": ("interlock_open",),
+    "mains_failure": ("mains", "power_cycle"),
+    "node_lost": ("bus_off",),
+    "ocp": ("error",),
+    "otp": ("overtemperature", "error"),
+    "overcurrent": ("error",),
+    "overheating": ("overtemperature", "error"),
+    "overload": ("error",),
+    "overvoltage": ("error",),
+    "ovp": ("error",),
+    "packet_loss": ("frame_lost",),
+    "pdo_lost": ("pdo_missing",),
+    "pdo_timeout": ("pdo_missing",),
+    "power_fail": ("power_cycle",),
+    "power_loss": ("power_cycle",),
+    "reboot": ("reset_loop", "power_cycle"),
+    "sdo_lost": ("sdo_silence",),
+    "sdo_missing": ("sdo_silence",),
+    "sdo_slow": ("sdo_late",),
+    "sdo_timeout": ("sdo_silence",),
+    "short_circuit": ("short",),
+    "shorted": ("short",),
+    "timeout": ("sdo_silence",),
+    "toggle_error": ("sdo_wrong_toggle",),
+    "undervoltage": ("supply", "mains", "brown_out"),
+    "watchdog": ("reset_loop",),
+}
+"""What the field says for faults that are called otherwise here, best first."""
 
 
 @dataclass(frozen=True)
@@ -112,7 +162,7 @@ class Faults:
 
     def _find(self, name: str) -> Fault:
         if name not in self.known:
-            raise unknown("fault", name, self.known)
+            raise unknown("fault", name, self.known, OTHER_WORDS)
         return self.known[name]
 
 

@@ -1,5 +1,7 @@
 """Values as users write them, converted to the kind that is wanted."""
 
+import re
+from collections.abc import Mapping
 from math import isfinite
 
 from canopen_twins.errors import UserError
@@ -14,6 +16,26 @@ KINDS = {
 }
 
 
+PLAIN = dict.fromkeys(
+    ("V", "A", "W", "%", "ohm", "ohms", "F", "H", "Ah", "Hz", "s", "degC", "°C", "K", "rpm", "bar"),
+    1.0,
+)
+"""Units that may stand behind a number by mistake; one with a prefix is not guessed at."""
+TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0, "h": 3600.0}
+QUANTITY = re.compile(r"([-+]?[0-9]+(?:\.[0-9]+)?) ?(\S+)")
+WITH_A_COMMA = re.compile(r"([-+]?[0-9]+),([0-9]+)")
+
+
+def meant_number(text: str, units: Mapping[str, float] = PLAIN) -> str:
+    """What to write for a number with its unit or with a comma; empty if it is no such one."""
+    if comma := WITH_A_COMMA.fullmatch(text):
+        return f"write {comma[1]}.{comma[2]}, with a point"
+    found = QUANTITY.fullmatch(text)
+    if found is None or found[2] not in units:
+        return ""
+    return f"write {float(found[1]) * units[found[2]]:.12g}"
+
+
 def convert(what: str, value: object, kind: type) -> object:
     """A value as a whole number, a number, a truth value or a text.
 
@@ -23,7 +45,9 @@ def convert(what: str, value: object, kind: type) -> object:
     try:
         return _scalar(value, kind)
     except (ValueError, TypeError, KeyError, OverflowError):
-        raise UserError(f"{what} wants {KINDS[kind]}, not {value!r}") from None
+        hint = meant_number(value) if kind in {int, float} and isinstance(value, str) else ""
+        told = f"{what} wants {KINDS[kind]}, not {value!r}"
+        raise UserError(f"{told}: {hint}" if hint else told) from None
 
 
 def _scalar(value: object, kind: type) -> object:

@@ -4,8 +4,9 @@ Numbers are 16, 0x10 or 0.5, never 010. Only `true` and `false` are truth values
 no are words. Anchors, aliases and tags are refused.
 """
 
+import logging
 import re
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cached_property
 from math import isfinite
@@ -17,7 +18,12 @@ from yaml.composer import ComposerError
 from yaml.reader import ReaderError
 
 from canopen_twins.errors import UserError, unknown
+from canopen_twins.files.convert import PLAIN, TIMES, meant_number
 
+log = logging.getLogger(__name__)
+
+GLUED = re.compile(r"(\w+):(\S.*)")
+"""A key and its value without the space between them."""
 LARGEST_FILE = 256 * 1024  # bytes
 LONGEST_TIME = 86_400  # seconds: a day
 
@@ -69,6 +75,10 @@ class Problems:
         if not isinstance(refusal, Reported):
             self._found.add((mark.line + 1, mark.column + 1, str(refusal)))
 
+    def remark(self, text: str, place: yaml.Mark) -> None:
+        """Warn of what stands at a place."""
+        log.warning("%s:%d:%d: %s", self._file, place.line + 1, place.column + 1, text)
+
     @contextmanager
     def at(self, place: "Item") -> Iterator[None]:
         """Take what is wrong inside, and go on behind."""
@@ -101,6 +111,10 @@ class Item:
         """A mistake at this place."""
         return Mistake(self.mark, text)
 
+    def remark(self, text: str) -> None:
+        """Something that may be meant otherwise; it is told, and taken as it stands."""
+        self.problems.remark(text, self.mark)
+
     @contextmanager
     def blamed(self) -> Iterator[None]:
         """What goes wrong inside and knows no place is a mistake at this one."""
@@ -122,6 +136,11 @@ class Item:
         return isinstance(self.node, yaml.MappingNode)
 
     @property
+    def is_decimal(self) -> bool:
+        """Whether it is nothing but digits."""
+        return isinstance(self.node, yaml.ScalarNode) and str(self.node.value).isdecimal()
+
+    @property
     def text(self) -> str:
         """One value as it stands in the file."""
         return str(self._scalar.value)
@@ -134,10 +153,20 @@ class Item:
     @property
     def number(self) -> int | float:
         """One number."""
+        return self._number()
+
+    def _number(self, units: Mapping[str, float] = PLAIN) -> int | float:
         value = self.value
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not isfinite(value):
-            raise self.wrong(f"{self.text!r} is no number; numbers look like 16, 0x10 or 0.5")
+            raise self.wrong(self._no_number(units))
         return value
+
+    def _no_number(self, units: Mapping[str, float]) -> str:
+        if self._scalar.style and any(look.fullmatch(self.text) for look, _ in LOOKS[:2]):
+            return f"{self.text!r} stands in quotes and is a text: write {self.text}"
+        if hint := meant_number(self.text, units):
+            return f"{self.text!r} is no number: {hint}"
+        return f"{self.text!r} is no number; numbers look like 16, 0x10 or 0.5"
 
     @property
     def whole(self) -> int:
@@ -162,14 +191,19 @@ class Item:
     @property
     def seconds(self) -> float:
         """A time."""
-        if not 0 <= (value := self.number) <= LONGEST_TIME:
+        if not 0 <= (value := self._number(TIMES)) <= LONGEST_TIME:
             raise self.wrong(f"{self.text} s is not in 0..{LONGEST_TIME} s")
         return float(value)
 
-    def one_of(self, what: str, known: Collection[str]) -> str:
-        """One word out of several."""
+    def one_of(
+        self,
+        what: str,
+        known: Collection[str],
+        others: Mapping[str, Sequence[str]] | None = None,
+    ) -> str:
+        """One word out of several; `others` as of `errors.unknown`."""
         if (text := self.text) not in known:
-            raise self.wrong(str(unknown(what, text, known)))
+            raise self.wrong(str(unknown(what, text, known, others)))
         return text
 
     @property
@@ -183,7 +217,7 @@ class Item:
     def pairs(self) -> Mapping[str, Pair]:
         """Keys as they stand in the file, with their values."""
         if not isinstance(self.node, yaml.MappingNode):
-            raise self.wrong("a key with a value is wanted here, such as {key: value}")
+            raise self.wrong(self._no_table())
         pairs: dict[str, Pair] = {}
         for nodes in self.node.value:
             pair = Pair(*(Item(node, self.problems) for node in nodes))
@@ -193,6 +227,12 @@ class Item:
                     again = f"{pair.key.text!r} stands here twice, first in line {first.key.line}"
                     raise pair.key.wrong(f"{again}; leave one of them out")
         return pairs
+
+    def _no_table(self) -> str:
+        is_word = isinstance(self.node, yaml.ScalarNode)
+        if is_word and (glued := GLUED.fullmatch(str(self.node.value))):
+            return f"a space is missing after the colon: {glued[1]}: {glued[2]}"
+        return "a key with a value is wanted here, such as {key: value}"
 
     @property
     def content(self) -> Any:
@@ -327,8 +367,9 @@ def compose(text: str) -> yaml.Node:
         except yaml.YAMLError:  # Python's parser tells better what is wrong, and where
             node = nodes(text, yaml.SafeLoader)
     except yaml.MarkedYAMLError as failure:
+        mark = failure.problem_mark or _mark(text, 0)
         what = ", ".join(filter(None, (failure.context, failure.problem)))
-        raise Mistake(failure.problem_mark or _mark(text, 0), what) from failure
+        raise Mistake(mark, A_TAB if _is_tab(text, mark) else what) from failure
     except ReaderError as failure:
         raise Mistake(_mark(text, failure.position), failure.reason) from failure
     except RecursionError:
@@ -336,6 +377,15 @@ def compose(text: str) -> yaml.Node:
     if node is None:
         raise Mistake(_mark(text, 0), "an empty file; the first line is version: 1")
     return node
+
+
+A_TAB = "a tab: indent with spaces"
+
+
+def _is_tab(text: str, mark: yaml.Mark) -> bool:
+    """Whether a tab stands there or indents the line."""
+    line = text.split("\n")[mark.line]
+    return "\t" in (line[mark.column : mark.column + 1], *line[: len(line) - len(line.lstrip())])
 
 
 LOOKS: tuple[tuple[re.Pattern[str], Callable[[str], Scalar]], ...] = (

@@ -1,6 +1,6 @@
 """What stands in the tables of every kind of file: numbers, times, words, names, the version."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, TypeVar
 
 from pydantic import BeforeValidator, Field
@@ -16,9 +16,11 @@ TIME = {"type": "number", "minimum": 0, "maximum": LONGEST_TIME}
 TEXT = ["string", "number", "boolean"]
 
 
-def word(what: str, known: Mapping[str, object]) -> Leaf:
-    """One word out of several, as what it stands for."""
-    return Leaf(lambda item: known[item.one_of(what, known)], {"enum": [*known]})
+def word(
+    what: str, known: Mapping[str, object], others: Mapping[str, Sequence[str]] | None = None
+) -> Leaf:
+    """One word out of several, as what it stands for; `others` as of `errors.unknown`."""
+    return Leaf(lambda item: known[item.one_of(what, known, others)], {"enum": [*known]})
 
 
 def whole(low: int, high: int) -> Leaf:

@@ -20,7 +20,7 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from pydantic_core import CoreSchema, ErrorDetails, core_schema
 
 from canopen_twins.errors import UserError, unknown
-from canopen_twins.files.document import Item, Meaning, Reported, understand
+from canopen_twins.files.document import GLUED, Item, Meaning, Reported, understand
 
 
 @dataclass(frozen=True)
@@ -33,19 +33,20 @@ class Rule:
     """The same as JSON Schema."""
 
 
-def one_of(what: str, keys: Collection[str], table: str = "a step") -> Rule:
-    """Exactly one of several keys; `what` they are for: "to do"."""
+def one_of(what: str, keys: Collection[str], table: str = "a step", alone: str = "") -> Rule:
+    """Exactly one of several keys; `what` they are for: "to do". Beside `alone` none will do."""
 
     def check(item: Item, known: Collection[str]) -> None:
         chosen = [key for key in keys if key in item.pairs]
-        if len(chosen) == 1:
+        if len(chosen) == 1 or (not chosen and alone in item.pairs):
             return
         if not chosen and not item.pairs.keys() <= set(known):
             raise Reported  # the unknown key may be meant to be the one
         told = f"{' and '.join(chosen)} at once" if chosen else f"nothing {what}"
         raise item.wrong(f"{told}: {table} has one of {', '.join(keys)}")
 
-    return Rule(check, {"oneOf": _each_required(keys)})
+    none = [{"required": [alone], "not": {"anyOf": _each_required(keys)}}] if alone else []
+    return Rule(check, {"oneOf": [*_each_required(keys), *none]})
 
 
 def some_of(keys: Collection[str], otherwise: str) -> Rule:
@@ -170,9 +171,23 @@ def _report(item: Item, failure: ValidationError, known: Collection[str] = ()) -
         place = item
         if key is not None and (pair := item.pairs.get(str(key))):
             place = pair.place(known)
-        item.problems.add(REFUSALS[error["type"]](error, known), place.mark)
+        slip = _slip(item, str(key), known) if error["type"] == "extra_forbidden" else None
+        item.problems.add(slip or REFUSALS[error["type"]](error, known), place.mark)
         wrong.add(key)
     return wrong
+
+
+def _slip(item: Item, key: str, known: Collection[str]) -> UserError | None:
+    """What is wrong with an unknown key that is one by a comma or by a space that is missing."""
+    if (glued := GLUED.fullmatch(key)) and glued[1] in known:
+        return UserError(f"unknown key {key!r}: a space is missing, {glued[1]}: {glued[2]}")
+    keys = [*item.pairs]
+    place = keys.index(key)
+    before = item.pairs[keys[place - 1]].value if place else None
+    if not key.isdecimal() or before is None or not before.is_decimal:
+        return None
+    meant = f"write {before.text}.{key} with a point"
+    return UserError(f"unknown key {key!r}: a comma ends the value before it, {meant}")
 
 
 REFUSALS: Mapping[str, Callable[[ErrorDetails, Collection[str]], UserError]] = {

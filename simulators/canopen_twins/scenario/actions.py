@@ -27,6 +27,11 @@ class Action:
         return None
 
 
+@dataclass(frozen=True)
+class Wait(Action):
+    """Nothing but its moment."""
+
+
 # The plant, the supply, the bus
 
 

@@ -1,5 +1,6 @@
 """Scenarios of their files: all that is wrong is told at once, before anything is on a bus."""
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from math import inf
 from pathlib import Path
@@ -21,6 +22,7 @@ from canopen_twins.scenario.actions import (
     Read,
     Send,
     Set,
+    Wait,
     Write,
 )
 from canopen_twins.scenario.matchers import (
@@ -52,6 +54,8 @@ from canopen_twins.scenario.values import Anything, Range, Text, Wanted, encode
 Values = Mapping[Item, Item | schema.Wanted]
 
 DEFAULT_SEED = 1
+DECIMAL_CODE = re.compile(r"[1-9][0-9]{3}")
+"""An error code as manuals print it, but without 0x."""
 ALL_FAULTS = "all"
 
 
@@ -184,7 +188,9 @@ def _action(step: schema.AnyStep, participants: Participants) -> Action:
         if (value := getattr(step, verb)) is not None:
             with step.item_of(verb).blamed():
                 return action(value, step, participants)
-    raise Reported
+    if step.place.pairs.keys() & {*VERBS} or "when" not in step.place.pairs:
+        raise Reported
+    return Wait()
 
 
 def _node(step: schema.AnyStep, participants: Participants) -> Rehearsal:
@@ -289,7 +295,12 @@ def _sign(said: schema.Sign, node: Rehearsal) -> Matcher:
 
 
 def _emcy(said: str | schema.Emcy, *_: object) -> Matcher:
-    return EmcyLike() if isinstance(said, str) else EmcyLike(said.code, said.bits, said.detail)
+    if isinstance(said, str):
+        return EmcyLike()
+    if said.code is not None and DECIMAL_CODE.fullmatch(text := said.item_of("code").text):
+        told = f"{text} is decimal, 0x{said.code:04X}: write 0x{text} if you mean that code"
+        said.item_of("code").remark(told)
+    return EmcyLike(said.code, said.bits, said.detail)
 
 
 SIGNS: Mapping[str, Callable[..., Matcher]] = {

@@ -55,6 +55,18 @@ HEARTBEATS: Mapping[str, str] = {
 }
 SWITCHES: Mapping[str, Callable[[Twin], None]] = {"on": Twin.power_on, "off": Twin.power_off}
 
+STATES_FOR_COMMANDS = {
+    "operational": ("start",),
+    "run": ("start",),
+    "stopped": ("stop",),
+    "preop": ("pre-operational",),
+    "pre_op": ("pre-operational",),
+    "preoperational": ("pre-operational",),
+    "pre_operational": ("pre-operational",),
+    "reset": ("reset-node",),
+    "reset_comm": ("reset-communication",),
+}
+"""What is said for a command that leads there."""
 HEX = "[0-9A-Fa-f]"
 FRAME = rf"^({HEX}{{3}}|{HEX}{{8}})#(R[0-8]?|({HEX}{{2}}|\.)*)$"
 LIKE_A_FRAME = r"^([0-9A-FXa-fx]{3}|[0-9A-FXa-fx]{8})#(R[0-8]?|[0-9A-FXa-fx.]*\*?)$"
@@ -80,7 +92,7 @@ OneFrame = Annotated[
 FrameShape = Annotated[str, Leaf(_frame_like, {"type": "string", "pattern": LIKE_A_FRAME})]
 Switch = Annotated[Callable[[Twin], None], word("position of the supply", SWITCHES)]
 Always = Annotated[str, Leaf(lambda item: item.one_of("silence", ["true"]), {"const": True})]
-Command = Annotated[int, word("NMT command", COMMANDS)]
+Command = Annotated[int, word("NMT command", COMMANDS, STATES_FOR_COMMANDS)]
 NodeId = Annotated[
     Item,
     as_it_stands(lambda item: item.value, {"type": "integer", "minimum": 1, "maximum": 127}),
@@ -269,12 +281,16 @@ class AnyStep(Table):
 class Step(AnyStep):
     """What is done, to which node, and when."""
 
-    rules = (one_of("says when", MOMENTS), *AnyStep.rules)
+    rules = (
+        one_of("says when", MOMENTS),
+        one_of("to do", VERBS, alone="when"),
+        *AnyStep.rules[1:],
+    )
 
     at: Seconds | None = None
     """Seconds since the beginning; steps stand in the order of their times."""
     when: Condition | None = None
-    """At the moment it happens; watched for from the step above on."""
+    """At the moment it happens; watched for from the step above on. Alone, it is waited for."""
 
 
 MOST_STEPS, MOST_NODES = 10_000, 127

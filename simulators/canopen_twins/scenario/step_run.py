@@ -9,7 +9,7 @@ from canopen_twins.bus.clock import Timer, microseconds
 from canopen_twins.bus.frame import Frame
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
-from canopen_twins.scenario.actions import Clear, Inject, Nmt, Power, Read, Send, Set, Write
+from canopen_twins.scenario.actions import Clear, Inject, Nmt, Power, Read, Send, Set, Wait, Write
 from canopen_twins.scenario.bus_events import WHOLE_MOMENT, BusEvents
 from canopen_twins.scenario.expectation_run import Watch
 from canopen_twins.scenario.matchers import Condition
@@ -141,6 +141,8 @@ class StepRun:
                 master.send(Frame(identifiers.NMT, told))
             case Power(switch):
                 switch(bus.nodes[name])
+            case Wait():
+                pass
             case action:
                 raise TypeError(f"no step carries out {action!r}")
 

@@ -242,15 +242,24 @@ def _take(part: "Field[Any]", rest: list[str]) -> Any:
     named = [word for word in rest if word.startswith(name)]
     word = next(iter(rest if unit else named), "")
     try:
-        value = float(word.removeprefix(name).removesuffix(unit))
+        value = float(_without(unit, word.removeprefix(name)))
     except ValueError:
         if part.default is not MISSING and not named:
             return part.default
         raise ValueError(f"{part.name} is not a number") from None
     rest.remove(word)
-    if unit and rest[:1] == [unit]:
+    if unit and rest and not _without(unit, rest[0]):
         del rest[0]
     return value
+
+
+def _without(unit: str, word: str) -> str:
+    """A number without its unit, in whatever case and number that is spelled."""
+    spellings = (f"{unit}s", unit, "Ω") if unit == "ohm" else (unit,)
+    for spelling in spellings if unit else ():
+        if word.lower().endswith(spelling.lower()):
+            return word[: -len(spelling)]
+    return word
 
 
 def _usage(kind: type[Load]) -> str:
