@@ -57,6 +57,9 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
         "1 if they are others now",
         "diff": "explain the first difference of two records or trace files, 1 if there is one",
     },
+    "compare": {
+        "compare": "hold a trace of real devices against their twins, 1 if they differ",
+    },
     "vcan": {
         "vcan": "run a command where there is a real vcan0: here, or in a user-mode Linux guest"
     },

@@ -1,0 +1,355 @@
+"""One node beside its device: which of its services a frame belongs to, on either side."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
+from math import inf
+
+from canopen_twins.bus import identifiers, sdo
+from canopen_twins.bus.clock import MICROSECONDS
+from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.sdo import Address
+from canopen_twins.bus.segment import Record
+from canopen_twins.device.node import Node
+from canopen_twins.record.compare.agreement import Account, Agreement, Kind, Subject
+from canopen_twins.record.compare.dialogue import Dialogue, Transfer, outcome
+from canopen_twins.record.compare.judge import Judge
+from canopen_twins.record.compare.stream import WINDOW, Pair, Seen, Stream
+from canopen_twins.record.compare.timeline import Timeline
+from canopen_twins.record.compare.tolerances import Tolerances
+from canopen_twins.slave.emcy import emcy_id
+from canopen_twins.slave.error_control import TOGGLE
+from canopen_twins.slave.nmt import ALL_NODES, RESETS, STATE_BYTE, TARGET
+from canopen_twins.slave.object import Rejected
+from canopen_twins.slave.service import State
+from canopen_twins.slave.slave import Slave
+from canopen_twins.slave.sync import COB_ID as SYNC_COB_ID
+from canopen_twins.slave.sync import sync_id
+from canopen_twins.slave.tpdo import Tpdo
+
+BOOT_UP = b"\0"
+BOOT, HEARTBEAT, GUARDING, EMCY, SYNC, LSS = (
+    "boot-up",
+    "heartbeat",
+    "node guarding",
+    "EMCY",
+    "SYNC",
+    "LSS",
+)
+PREDEFINED = (0x180, 0x280, 0x380, 0x480)  # TPDOs
+STATE_OF = {byte: state for state, byte in STATE_BYTE.items()}
+COMMANDS = {state: command for command, state in TARGET.items()}
+
+Handler = Callable[[int, Frame, bool], None]
+"""Takes a frame at its time in the trace, and whether it is the device's, not the twin's."""
+
+
+class Beside:
+    """`own` are the identifiers that the node sends with at this moment, each with its service."""
+
+    def __init__(
+        self,
+        node: Node,
+        timeline: Timeline,
+        agreement: Agreement,
+        tolerances: Tolerances,
+        records: deque[Record],
+    ) -> None:
+        self.node = node
+        self.name = node.wire.name
+        self.own: dict[int, Handler] = {}
+        self.heard: object = None  # by the twin, when `own` was worked out
+        self.begun = False
+        self.in_the_middle = False
+        """Whether it is not known what came before: the device has not booted in the trace."""
+        self._judge = Judge(node, agreement, tolerances, records)
+        segment = timeline.segment
+        self.dialogue = Dialogue(self._judge_transfer, self._judge.unasked, segment.send)
+        self._agreement = agreement
+        self._tolerances = tolerances
+        self._timeline = timeline
+        self._segment = segment
+        self._streams: dict[str, Stream] = {}
+        self._written: set[Address] = set()
+        self._knows_state = False
+        self._guarded = [0, 0]  # answers that are due: of the twin, of the device
+        self._reset: tuple[int, int] | None = None  # the last: in the trace, and for the twin
+        self._booted: tuple[int, int] | None = None  # the twin, before the device
+        self._deaf = False  # what the twin sends now is of no interest
+        self.derive()
+
+    # What comes in
+
+    def on_device(self, tick: int, frame: Frame) -> None:
+        """The device has sent a frame that is its own."""
+        handle = self.own[frame.can_id]
+        if not self.begun:
+            self._begin(tick, frame)
+        elif self._booted is not None and not _is_boot_up(frame):
+            self._never_booted(tick)
+        elif self.node.slave is None and not _is_boot_up(frame):
+            self._timeline.wait_for(self.node)
+        self.own.get(frame.can_id, handle)(tick, frame, True)
+
+    def on_twin(self, tick: int, frame: Frame) -> None:
+        """The twin has sent a frame."""
+        if self._deaf or not self.begun:
+            return
+        if self._booted is not None and not _is_boot_up(frame):
+            return  # the device is not there yet
+        handle = self.own.get(frame.can_id)
+        if handle is None:
+            self.derive()
+            handle = self.own.get(frame.can_id, partial(self._plain, f"{frame.can_id:03X}h"))
+        handle(tick, frame, False)
+
+    def on_master(self, tick: int, frame: Frame) -> bool:
+        """The master has sent a frame; whether the twin gets it from here, now or later."""
+        node_id = self.node.node_id
+        if frame.remote:
+            if frame.can_id == identifiers.heartbeat(node_id):
+                self._guarded = [1, 1]
+            return False
+        if frame.can_id == identifiers.NMT and len(frame.data) == 2:
+            self._on_nmt(tick, *frame.data)
+        if frame.can_id != identifiers.sdo_request(node_id):
+            return False
+        self.dialogue.patience = self._patience
+        self.dialogue.ask(tick, self._clock, frame)
+        return True
+
+    def _on_nmt(self, tick: int, command: int, target: int) -> None:
+        if target in (ALL_NODES, self.node.node_id):
+            if command in RESETS:
+                self._reset = tick, self._clock
+            self._knows_state = True
+
+    def settle(self, now: float) -> None:
+        """Judge what is so old that nothing more will come of it."""
+        self.dialogue.release(self._clock)
+        self.dialogue.settle(now)
+        for stream in self._streams.values():
+            if stream.pending:
+                stream.settle(now)
+
+    def end(self, now: int) -> None:
+        """Judge all that there is."""
+        if self._booted is not None and now - self._booted[0] > WINDOW:
+            self._never_booted(now)
+        self.dialogue.end()
+        self.settle(inf)
+
+    @property
+    def _clock(self) -> int:
+        return self._segment.clock.ticks
+
+    @property
+    def _patience(self) -> int:
+        timing = self.node.device.timing
+        longest = timing.answer_time + timing.answer_jitter + timing.store_time
+        return round(longest * MICROSECONDS)
+
+    # Where it goes
+
+    def derive(self) -> None:
+        """Work out which identifiers are the node's own, as its dictionary is now."""
+        node_id, slave = self.node.node_id, self.node.slave
+        self.heard = self.node.wire.heard
+        self.own = {
+            identifiers.sdo_answer(node_id): self._on_answer,
+            identifiers.heartbeat(node_id): self._on_error_control,
+            identifiers.emcy(node_id): self._on_emcy,
+        }
+        heard = self.heard if isinstance(self.heard, dict) else {}
+        for place, base in enumerate(PREDEFINED):
+            if (base + node_id, False) not in heard:
+                self.own[base + node_id] = partial(self._on_pdo, place + 1)
+        if slave is not None:
+            self._derive_from(slave)
+            if (identifiers.LSS_REQUEST, False) in heard:
+                self.own[identifiers.LSS_ANSWER] = partial(self._plain, LSS)
+
+    def _derive_from(self, slave: Slave) -> None:
+        if (can_id := emcy_id(slave)) is not None:
+            self.own[can_id] = self._on_emcy
+        for number in Tpdo.numbers(slave):
+            if (can_id := Tpdo.identifier(slave, number)) is not None:
+                self.own[can_id] = partial(self._on_pdo, number)
+        if slave.has(SYNC_COB_ID) and slave.number(SYNC_COB_ID) & identifiers.PRODUCES:
+            self.own[sync_id(slave)] = partial(self._plain, SYNC)
+
+    def _on_answer(self, tick: int, frame: Frame, of_device: bool) -> None:
+        if of_device:
+            self.dialogue.add_device(tick, frame.data)
+        else:
+            self.dialogue.add_twin(tick, self._clock, frame.data)
+
+    def _on_error_control(self, tick: int, frame: Frame, of_device: bool) -> None:
+        if _is_boot_up(frame) and not self._guarded[of_device]:
+            self._on_boot_up(tick, of_device)
+            return
+        if of_device and frame.data:
+            self._infer(STATE_OF.get(frame.data[0] & ~TOGGLE))
+        service = HEARTBEAT
+        if self._guarded[of_device]:
+            self._guarded[of_device] = 0
+            service = GUARDING
+        stream = self._stream(service, partial(self._judge.state, service), self._judge.same_state)
+        self._put(stream, tick, frame, of_device, self._state_byte(frame) if of_device else None)
+
+    def _on_emcy(self, tick: int, frame: Frame, of_device: bool) -> None:
+        self._put(self._stream(EMCY, self._judge.emcy), tick, frame, of_device)
+
+    def _on_pdo(self, number: int, tick: int, frame: Frame, of_device: bool) -> None:
+        if of_device:
+            self._infer(State.OPERATIONAL)
+        same = partial(self._judge.same_pdo, number)
+        stream = self._stream(f"TPDO{number}", partial(self._judge.pdo, number), same)
+        also = self._judge.sent_now(number) if of_device else None
+        self._put(stream, tick, frame, of_device, also)
+
+    def _plain(self, service: str, tick: int, frame: Frame, of_device: bool) -> None:
+        stream = self._stream(service, partial(self._judge.message, service))
+        self._put(stream, tick, frame, of_device)
+
+    def _put(
+        self, stream: Stream, tick: int, frame: Frame, of_device: bool, also: bytes | None = None
+    ) -> None:
+        if of_device:
+            stream.add_device(Seen(tick, frame, also))
+        else:
+            stream.add_twin(Seen(tick, frame))
+
+    def _stream(
+        self,
+        service: str,
+        judge: Callable[[Pair], None],
+        same: Callable[[Seen, Seen], bool] = lambda device, twin: False,
+    ) -> Stream:
+        stream = self._streams.get(service)
+        if stream is None:
+            stream = self._streams[service] = Stream(self._tolerances.time, same, judge)
+            stream.free = self.in_the_middle
+        return stream
+
+    def _state_byte(self, frame: Frame) -> bytes | None:
+        """As the twin would tell its state at this moment, with the toggle bit of the device."""
+        byte = STATE_BYTE.get(self.node.state)
+        return None if byte is None or not frame.data else bytes([byte | frame.data[0] & 0x80])
+
+    # Booting
+
+    def _begin(self, tick: int, frame: Frame) -> None:
+        """The first that is seen of the device: has it just booted, or long before?"""
+        self.in_the_middle = not _is_boot_up(frame)
+        self._boot()
+        self.begun = True
+        if self.in_the_middle:
+            self._agreement.remarks.append(
+                f"{self.name}: the trace begins in the middle; objects and NMT state are taken from"
+                " what it shows"
+            )
+            if frame.can_id == identifiers.sdo_answer(self.node.node_id):
+                self.dialogue.repeat(self._clock)
+        else:
+            self._booted = tick, self._clock
+
+    def _boot(self) -> None:
+        """Power comes, and all that the twin tells of it is left out."""
+        self._deaf = True
+        self.node.power_off()
+        self.node.power_on()
+        self._segment.deliver()
+        self._timeline.wait_for(self.node)
+        self._deaf = False
+        self.derive()
+
+    def _infer(self, state: State | None) -> None:
+        """In the middle of something: take over the NMT state that the device shows."""
+        if self._knows_state or not self.in_the_middle or state in (None, self.node.state):
+            return
+        assert state is not None
+        self._deaf = True
+        command = bytes([COMMANDS[state], self.node.node_id])
+        self._segment.send(Frame(identifiers.NMT, command))
+        self._deaf = False
+
+    def _on_boot_up(self, tick: int, of_device: bool) -> None:
+        if not of_device:
+            self._booted = tick, self._clock
+            return
+        if self.node.slave is None:
+            self._timeline.wait_for(self.node)
+        subject = Subject(self.name, BOOT)
+        if self._booted is None:
+            text = "nobody has asked for it: a power cycle, or a reset of its own"
+            self._tell_boot(subject, Kind.MORE, tick, text)
+            self._boot()
+        elif abs(late := self._boot_late(tick)) > self._tolerances.time:
+            text = f"{abs(late) / MICROSECONDS:.6f} s {'later' if late > 0 else 'earlier'}"
+            self._tell_boot(subject, Kind.TIME, tick, f"{text} than the twin")
+        else:
+            self._agreement.agree(subject)
+        for stream in self._streams.values():
+            stream.free = True
+        self._booted = self._reset = None
+        self.in_the_middle, self._knows_state = False, True
+        self._written.clear()
+        self.derive()
+
+    def _boot_late(self, tick: int) -> int:
+        """How much later the device has booted, counted from the command that both have had."""
+        assert self._booted is not None
+        if self._reset is None:
+            return tick - self._booted[0]
+        return tick - self._reset[0] - (self._booted[1] - self._reset[1])
+
+    def _never_booted(self, tick: int) -> None:
+        assert self._booted is not None
+        if tick - self._booted[0] <= self._tolerances.time:
+            return  # on its way already when the command came
+        text = "the twin has booted, the device goes on without a boot-up message"
+        self._tell_boot(Subject(self.name, BOOT), Kind.LACKS, self._booted[0], text)
+        self._booted = self._reset = None
+
+    def _tell_boot(self, subject: Subject, kind: Kind, tick: int, text: str) -> None:
+        frame = Frame(identifiers.heartbeat(self.node.node_id), BOOT_UP)
+        line = [self._judge.words(tick, frame)]
+        sides = (line, ["nothing"]) if kind is Kind.MORE else (["nothing"], line)
+        if kind is Kind.TIME:
+            sides = line, line
+        self._agreement.differ(subject, kind, tick, lambda: Account(text, *sides))
+
+    # SDO
+
+    def _judge_transfer(self, transfer: Transfer) -> None:
+        if transfer.access == sdo.WRITE and transfer.address is not None:
+            self._written.add(transfer.address)
+        elif self.in_the_middle:
+            self._take_over(transfer)
+        self._judge.transfer(transfer)
+
+    def _take_over(self, transfer: Transfer) -> None:
+        """In the middle of something: what the device has in an object is what was written."""
+        slave, told = self.node.slave, outcome(transfer.device)
+        entry = self._judge.entry(transfer.address)
+        if slave is None or entry is None or not entry.writable or told.value is None:
+            return
+        if entry.address in self._written or told.code is not None:
+            return
+        self._written.add(entry.address)
+        if entry.read() == told.value:
+            return
+        self._deaf = True
+        with suppress(Rejected), self.node.acting():
+            slave.write(entry, told.value)
+        self._segment.deliver()
+        self._deaf = False
+        transfer.twin = list(transfer.device)
+
+
+def _is_boot_up(frame: Frame) -> bool:
+    return frame.data == BOOT_UP and frame.can_id & 0x780 == 0x700

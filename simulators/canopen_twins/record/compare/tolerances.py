@@ -1,0 +1,47 @@
+"""How far a device and its twin may be apart before that is a difference."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import isclose
+
+from canopen_twins.slave.object import Address
+
+
+@dataclass(frozen=True)
+class Allowed:
+    """How far a number may be off: as a share of it, or in digits, whichever is more."""
+
+    share: float = 0.0
+    digits: float = 0.0
+
+    def covers(self, one: float, other: float) -> bool:
+        """Whether two numbers are as good as the same."""
+        return one == other or isclose(one, other, rel_tol=self.share, abs_tol=self.digits)
+
+
+EXACT = Allowed()
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """What is as good as the same."""
+
+    time: int = 5_000
+    """Microseconds."""
+    value: Allowed = EXACT
+    """Of measured values."""
+    objects: Mapping[Address, Allowed | None] = field(default_factory=dict)
+    """Of single objects; none for one that is not compared."""
+
+    def same(self, address: Address, measured: bool, one: object, other: object) -> bool:
+        """Whether two values of an object are as good as the same."""
+        if one == other:
+            return True
+        allowed = self.objects.get(address, self.value if measured else EXACT)
+        if allowed is None:
+            return True
+        if not isinstance(one, int | float) or not isinstance(other, int | float):
+            return False
+        return allowed.covers(one, other)
