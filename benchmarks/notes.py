@@ -6,9 +6,9 @@ NOTES = {
         " its receiver's, and that of the node. The bench has one."
     ),
     "One frame in a node": (
-        "After every frame the twin asks its model for errors and whether it is still at rest, and"
-        " an upload asks it for the value; `LocalNode` has neither to ask, and its bus is one that"
-        " swallows messages."
+        "An upload asks the twin's model for the value, and after a frame that is more than a look"
+        " the twin asks it for errors and whether it is still at rest; `LocalNode` has neither to"
+        " ask, and its bus is one that swallows messages."
     ),
     "A twin of a file": (
         "Its peer is `LocalNode` with the same file, and canopen's own reader of such files. A file"

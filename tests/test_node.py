@@ -6,6 +6,8 @@ from hypothesis import strategies as st
 from probe import Probe
 
 from canopen_twins import Bench
+from canopen_twins.device.device import Device
+from canopen_twins.slave.emcy import Emcy
 from canopen_twins.slave.service import State
 
 READ_LEVEL = "605#4000210000000000"
@@ -332,3 +334,43 @@ def test_news_of_an_act_goes_out_with_it(bench):
         probe.on_heartbeat(7, False)
     bench.segment.deliver()
     assert bench.sent == ["705#00", "085#3081110000000000"]
+
+
+class Counting(Probe):
+    """Its third frame is one too many."""
+
+    def on_frame(self):
+        super().on_frame()
+        if self.frames == 3:
+            self.emergencies = (Emcy(0x8110, 0x11),)
+
+
+def test_what_a_frame_does_to_a_device_is_told_after_a_mere_look_as_well():
+    bench = Bench(Counting)
+    assert [len(bench.send(READ_LEVEL)) for _ in range(4)] == [1, 1, 2, 1]
+
+
+class Asked(Probe):
+    """Counts how often it is asked whether it rests."""
+
+    asked = 0
+
+    @property
+    def rest(self):
+        self.asked += 1
+        return inf
+
+    on_frame = Device.on_frame
+
+
+def test_after_a_mere_look_a_device_is_not_asked_for_news():
+    device = Asked()
+    bench = Bench.of({"probe": device})
+    for frame in ("605#2F00180201000000", "000#0105"):
+        bench.send(frame)
+    before = device.asked
+    for frame in (READ_LEVEL, "605#4017100000000000", "080#", "185#R"):
+        assert bench.send(frame)
+    assert device.asked == before
+    bench.send("605#2B00210007000000")
+    assert device.asked > before

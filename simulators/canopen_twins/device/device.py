@@ -234,7 +234,7 @@ class Device:
         """The node has entered an NMT state."""
 
     def on_frame(self) -> None:
-        """A frame that this node listens to has come."""
+        """A frame that this node listens to has come; what that changes is told after it."""
 
     def on_heartbeat(self, node_id: int, alive: bool) -> None:
         """A node that 0x1016 watches has fallen silent, or is back."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from math import inf, isfinite
+from math import inf
 from pathlib import Path
 
 from canopen_twins.bus.clock import MICROSECONDS, Action, Clock, Scope, Timer, microseconds
@@ -23,7 +23,7 @@ from canopen_twins.slave.error_control import (
 )
 from canopen_twins.slave.lss import LssSlave
 from canopen_twins.slave.nmt import Nmt, Reset
-from canopen_twins.slave.object import Address, Object
+from canopen_twins.slave.object import COMMUNICATION_AREA, Address, Object
 from canopen_twins.slave.sdo_server import FurtherSdoServer, SdoServer
 from canopen_twins.slave.service import Handler, Service, State
 from canopen_twins.slave.slave import Slave
@@ -195,7 +195,6 @@ def _services(
     yield ConfigurationCheck(slave, kept)  # the last: it hears of what nobody has refused
 
 
-COMMUNICATION_AREA = range(0x1000, 0x2000)
 EVERYTHING = range(0x1000, 0x10000)
 
 
@@ -218,6 +217,7 @@ class Node:
         self.log = EmcyLog()
         self.listeners: list[Callable[[State], None]] = [device.on_state]  # hear of every state
         self._cycle = microseconds(device.cycle)
+        self._counts_frames = type(device).on_frame is not Device.on_frame
         self._stepped = clock.ticks
         self._wake: float = inf
         self._timer: Timer | None = None
@@ -283,24 +283,33 @@ class Node:
             if not stack.slave.shut:
                 through(filters, frame, self._take)
         elif (handlers := stack.routes.get((frame.can_id, frame.remote))) and not stack.slave.shut:
-            self._act_on(frame, handlers)
+            looked = self._act_on(stack, frame, handlers)
+            if self.wire.outgoing or not looked:
+                self._settle()
 
     def _take(self, frame: Frame) -> None:
         """What the filters have let through, now or later."""
-        if self._stack is None or self._stack.slave.shut:
+        stack = self._stack
+        if stack is None or stack.slave.shut:
             return
-        if handlers := self._stack.routes.get((frame.can_id, frame.remote)):
-            self._act_on(frame, handlers)
+        if handlers := stack.routes.get((frame.can_id, frame.remote)):
+            self._act_on(stack, frame, handlers)
+            self._settle()  # whatever the filters have done
 
-    def _act_on(self, frame: Frame, handlers: Sequence[Handler]) -> None:
+    def _act_on(self, stack: Stack, frame: Frame, handlers: Sequence[Handler]) -> bool:
+        """Whether that was no more than a look: then there is nothing to tell."""
         untold = self._catch_up()
-        self.device.on_frame()
+        looked = not (untold or self._counts_frames or stack.measurement)
+        stack.slave.active_at = self.clock.ticks
+        if self._counts_frames:
+            self.device.on_frame()
         for handle in handlers:
             if untold and self._stack is not None:
-                self._stack.tell()
-            handle(frame)
-            untold = True
-        self._settle()
+                stack.tell()
+            if not handle(frame):
+                looked = False
+            untold = not looked
+        return looked
 
     def _on_time(self, action: Action) -> None:
         """A timer of a service acts as a frame does."""
@@ -358,13 +367,15 @@ class Node:
         rest = self.device.rest * MICROSECONDS
         if self._stack is not None and self._stack.measurement is not None:
             rest = min(rest, self._stack.measurement.next_refresh - self._stepped)
-        wait = max(rest - rest % self._cycle, self._cycle) if isfinite(rest) else inf
-        if self._stepped + wait == self._wake:
+        if rest != inf:
+            rest = max(rest - rest % self._cycle, self._cycle)
+        wake = self._stepped + rest
+        if wake == self._wake:
             return
         self._disarm()
-        self._wake = self._stepped + wait
-        if isfinite(wait):
-            self._timer = self.clock.at_tick(int(self._wake), self._tick)
+        self._wake = wake
+        if wake != inf:
+            self._timer = self.clock.at_tick(int(wake), self._tick)
 
     def _disarm(self) -> None:
         self._wake = inf

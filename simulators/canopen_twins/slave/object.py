@@ -25,6 +25,7 @@ TYPES = {
     if isinstance(number, int) and name.isupper()
 }
 """The data types of CiA 301 by their numbers."""
+COMMUNICATION_AREA = range(0x1000, 0x2000)
 DUMMY_TYPES = range(0x0001, 0x0020)  # data types that fill gaps of a mapping, no objects (CiA 301)
 TIMES = (TIME_OF_DAY, TIME_DIFFERENCE)
 TIME_SIZE = 6  # bytes: milliseconds in 28 bits, four of no use, days in 16 (CiA 301, 7.1.6.5)
@@ -83,10 +84,10 @@ class Rejected(Exception):  # noqa: N818 - a refusal is an answer of the device,
 class Object(NamedTuple):
     """What reading and writing an entry does; entries nobody names are plain memory of the node.
 
-    An entry with `read` has its value there; one without keeps what was written. `adjust` says
-    what the device makes of a written value before it acts and is kept. `write` may raise
-    `Rejected`; the old value then stays. `obstacle` says in words why a value that was taken has
-    no effect at this moment; empty if it has.
+    An entry with `read` has its value there, which looks and changes nothing; one without keeps
+    what was written. `adjust` says what the device makes of a written value before it acts and is
+    kept. `write` may raise `Rejected`; the old value then stays. `obstacle` says in words why a
+    value that was taken has no effect at this moment; empty if it has.
     """
 
     read: Callable[[], Value] | None = None
@@ -100,11 +101,14 @@ class Entry:
 
     __slots__ = (
         "_adjusts",
+        "_bit",
         "_cell",
         "_owner",
         "_source",
+        "_verbatim",
         "_writes",
         "address",
+        "communicates",
         "high",
         "low",
         "obstacle",
@@ -123,6 +127,7 @@ class Entry:
         self.readable: bool = variable.readable
         self.writable: bool = variable.writable
         self.address: Address = (variable.index, variable.subindex)
+        self.communicates = variable.index in COMMUNICATION_AREA
         self.size: int | None = codec.size if codec else SIZES.get(data_type)
         self.pack: Callable[[Any], bytes] = codec.pack if codec else variable.encode_raw
         self.unpack: Callable[[bytes], Any] = _first(codec) if codec else variable.decode_raw
@@ -131,6 +136,8 @@ class Entry:
         self._source: Callable[[], Value] | None = None
         self._adjusts: list[Callable[[int], int]] = []
         self._writes: list[Callable[[int], None]] = []
+        self._bit = data_type == BOOLEAN
+        self._verbatim = self.is_whole and not self._bit  # packed, a value is what was unpacked
         self._owner = ""
         self._cell = cell
         cell[variable.subindex] = self.initial
@@ -203,14 +210,13 @@ class Entry:
         Raises:
             Rejected: out of the limits of the EDS, or refused by the device.
         """
-        limited = self.low is not None or self.high is not None
-        if limited or self._adjusts or self._writes:
+        if self._writes or self.high is not None or self.low is not None or self._adjusts:
             data = self._act(data)
         self._cell[self.variable.subindex] = data
 
     def _act(self, data: bytes) -> bytes:
         value = self.unpack(data)
-        number = data[0] if self.variable.data_type == BOOLEAN else value
+        number = data[0] if self._bit else value
         if self.high is not None and not number <= self.high:  # nor is what is not a number
             raise Rejected(f"{number} is above {self.high}", Abort.TOO_HIGH)
         if self.low is not None and not number >= self.low:
@@ -219,7 +225,7 @@ class Entry:
             value = adjust(value)
         for write in self._writes:
             write(value)
-        return self.pack(value)
+        return data if self._verbatim and not self._adjusts else self.pack(value)
 
     @property
     def initial(self) -> bytes:

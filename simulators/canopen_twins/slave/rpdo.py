@@ -85,13 +85,14 @@ class Rpdo(Pdo):
         elif not self._window or self._within_window():
             self._latched = frame.data
 
-    def on_sync(self, frame: Frame) -> None:
+    def on_sync(self, frame: Frame) -> bool:
         """Take the last data over, once."""
         if self._window:
             self._synced = microseconds(self.slave.clock.now)
         data, self._latched = self._latched, None
         if data is not None:
             self._take(data)
+        return data is None
 
     def _take(self, data: bytes) -> None:
         for entry, cut in self._takes:

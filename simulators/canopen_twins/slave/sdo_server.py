@@ -142,17 +142,20 @@ class SdoServer(Service):
         else:
             self._buffer.take(frame, self.on_request)
 
-    def on_request(self, frame: Frame) -> None:
-        """Answer, unless the frame is none of ours or the client has given up."""
+    def on_request(self, frame: Frame) -> bool:
+        """Answer, unless the frame is none of ours or the client has given up.
+
+        Whether that was no more than a look: a value was read, in one frame.
+        """
         data = frame.data
         if len(data) != sdo.LENGTH:
-            return
+            return False
         transfer, initiate = self._transfer, self._offered.get(data[0])
         try:
             if transfer is not None and transfer.continues(data[0]):
                 self._continue(transfer, data)
             elif initiate is not None:
-                self._initiate(initiate, data)
+                return self._initiate(initiate, data)
             elif data[0] in self._aborts:
                 self._close()
             else:
@@ -160,6 +163,7 @@ class SdoServer(Service):
                 raise Rejected(_not_known(data[0]), Abort.COMMAND)
         except Rejected as refusal:
             self._refuse(refusal)
+        return False
 
     def _continue(self, transfer: Transfer, data: bytes) -> None:
         for answer in transfer.answer(data):
@@ -169,17 +173,19 @@ class SdoServer(Service):
         else:
             self._watch()
 
-    def _initiate(self, initiate: Initiate, data: bytes) -> None:
+    def _initiate(self, initiate: Initiate, data: bytes) -> bool:
         if self._transfer is not None:
             self._close()
         self._named = data[1:4]
         entry = self.slave.entry(data[1] | data[2] << 8, data[3])
         outcome = initiate(self.slave, entry, data)
+        looked = initiate is upload
         if not isinstance(outcome, bytes):
-            self._transfer = outcome
+            self._transfer, looked = outcome, False
             self._watch()
             outcome = outcome.opening(self._named)
         self.slave.send(Frame(self._answers, outcome))
+        return looked
 
     def _meant(self, data: bytes) -> bytes:
         """The multiplexer of the object that an unknown command belongs to."""

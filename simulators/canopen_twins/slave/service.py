@@ -9,7 +9,9 @@ from canopen_twins.bus.wire import Heard
 from canopen_twins.slave.object import Address, Object, Rejected
 from canopen_twins.slave.slave import Slave
 
-Handler = Callable[[Frame], None]
+Handler = Callable[[Frame], bool | None]
+"""Takes a frame; true if that was no more than a look: device and dictionary are as before."""
+
 Listening = Iterable[tuple[Heard, Handler]]
 
 

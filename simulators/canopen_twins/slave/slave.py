@@ -8,7 +8,7 @@ from typing import Any
 
 from canopen import LocalNode, ObjectDictionary, SdoAbortedError
 
-from canopen_twins.bus.clock import Scope
+from canopen_twins.bus.clock import MICROSECONDS, Scope
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.wire import Wire
 from canopen_twins.slave.object import (
@@ -42,8 +42,8 @@ class Slave(LocalNode):
         """Off the bus for a while: nothing goes out, nothing comes in. A service says so."""
         self.restart = False
         """Whether its communication has to be reset. A service says so."""
-        self.on_sent: Callable[[], None] | None = None
-        """Called with every frame that goes out."""
+        self.active_at = clock.clock.ticks
+        """Microsecond of the last frame that came or went."""
         self.profile = profile or Profile()
         self.entries: dict[int, dict[int, Entry]] = {}
         self.on_communication_change: Callable[[], None] = lambda: None
@@ -114,7 +114,7 @@ class Slave(LocalNode):
         if len(data) != entry.size:
             self.check_length(entry, len(data))
         entry.write(data)
-        if 0x1000 <= entry.address[0] < 0x2000:
+        if entry.communicates:
             self.changes += 1
             self.on_communication_change()
 
@@ -128,9 +128,13 @@ class Slave(LocalNode):
     def send(self, frame: Frame) -> None:
         """Send a frame; lost while the slave is off the bus."""
         if not self.shut:
+            self.active_at = self.clock.clock.ticks
             self.wire.put(frame)
-            if self.on_sent is not None:
-                self.on_sent()
+
+    @property
+    def quiet(self) -> float:
+        """Seconds since the last frame that came or went."""
+        return (self.clock.clock.ticks - self.active_at) / MICROSECONDS
 
     def get_data(self, index: int, subindex: int, check_readable: bool = False) -> bytes:
         """What canopen's own `node.sdo[...]` reads."""

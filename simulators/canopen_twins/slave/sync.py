@@ -31,9 +31,8 @@ def at_sync(slave: Slave, handle: Handler) -> Listening:
         return
     length = 1 if slave.number(OVERFLOW) else 0
 
-    def of_right_length(frame: Frame) -> None:
-        if len(frame.data) == length:
-            handle(frame)
+    def of_right_length(frame: Frame) -> bool | None:
+        return handle(frame) if len(frame.data) == length else True
 
     yield (sync_id(slave), False), of_right_length
 
@@ -78,13 +77,13 @@ class Sync(Service):
         """SYNC is sent in Pre-operational and Operational."""
         self._may_send = state in self.active_in
 
-    def on_sync(self, frame: Frame) -> None:
+    def on_sync(self, frame: Frame) -> bool:
         """One that is too long or too short is an error until the next that is not."""
         expected = 1 if self.slave.number(OVERFLOW) else 0
         if len(frame.data) != expected:
             self.slave.errors[WRONG_LENGTH] = 0x8240
-        else:
-            self.slave.errors.pop(WRONG_LENGTH, None)
+            return False
+        return self.slave.errors.pop(WRONG_LENGTH, None) is None
 
     @property
     def _produces(self) -> bool:

@@ -170,7 +170,7 @@ class Tpdo(Pdo):
         if self._operational and self._carries and self._type in EVENT_DRIVEN:
             self.transmit()
 
-    def on_sync(self, frame: Frame) -> None:
+    def on_sync(self, frame: Frame) -> bool:
         """Compose; send if it is the turn."""
         if self._type == COMPOSED_AT_SYNC:
             self._composed = self._compose()
@@ -182,12 +182,14 @@ class Tpdo(Pdo):
             self._syncs += 1
             if self._syncs % self._type == 0:
                 self.transmit()
+        return True
 
-    def on_remote_request(self, frame: Frame) -> None:
+    def on_remote_request(self, frame: Frame) -> bool:
         """Send what was composed last, or what is there now if SYNC has no part in it."""
         if self._composed is None or self._type not in AT_SYNC:
             self._composed = self._compose()
         self.slave.send(Frame(self._cob_id, self._composed))
+        return True
 
     def publish(self) -> None:
         """Send a change, as soon as the inhibit time allows."""

@@ -190,13 +190,9 @@ class Device(device.Device):
         """Operational takes control away from the panel (6)."""
         self.control.on_state(state)
 
-    def on_frame(self) -> None:
-        """The bus is in use, so RS-232 is not (5)."""
-        self.panel.on_frame()
-
     def services(self, slave: Slave) -> Iterable[Service]:
-        """None on the bus; what is sent there is communication, too, and closes RS-232 (5)."""
-        slave.on_sent = self.panel.on_frame
+        """None on the bus; while that is in use, RS-232 is not (5)."""
+        self.panel.quiet = lambda: slave.quiet
         return ()
 
     def on_rpdo_refused(self, number: int, refusal: Rejected) -> None:
@@ -226,7 +222,6 @@ class Device(device.Device):
     def step(self, dt: float) -> None:
         """Let time pass in the unit."""
         self.stage.step(dt)
-        self.panel.step(dt)
 
     def _state_of_output(self) -> int:
         stage = self.stage

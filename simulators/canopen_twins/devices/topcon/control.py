@@ -24,7 +24,9 @@ class Quantity(NamedTuple):
         """As it goes over the wire: rounded half away from zero, clipped to signed 16 bit."""
         parts = FULL_SCALE * value / self.nominal
         rounded = int(parts + 0.5) if parts >= 0 else -int(0.5 - parts)
-        return max(LOWEST, min(HIGHEST, rounded))
+        if LOWEST <= rounded <= HIGHEST:
+            return rounded
+        return HIGHEST if rounded > 0 else LOWEST
 
     def value(self, parts: int) -> float:
         """As the model has it."""

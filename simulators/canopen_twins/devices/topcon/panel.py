@@ -1,6 +1,7 @@
 """Who is in control, the panel (HMI or RCU, chapter 6) or the bus; and RS-232 (chapter 5)."""
 
 import logging
+from collections.abc import Callable
 
 from canopen_twins.device import Abort, Rejected, State
 
@@ -15,7 +16,8 @@ class Panel:
         self._refuses = refuses
         self._state = State.INITIALISING
         self._quiet_time = quiet_time
-        self._quiet = 0.0
+        self.quiet: Callable[[], float] = float
+        """Seconds since the last frame for this node or from it."""
 
     @property
     def may_go_local(self) -> bool:
@@ -25,7 +27,7 @@ class Panel:
     @property
     def rs232_available(self) -> bool:
         """Whether the card's RS-232 port answers: not without Pre-operational, not beside CAN."""
-        return self._state is State.PRE_OPERATIONAL and self._quiet >= self._quiet_time  # A-07
+        return self._state is State.PRE_OPERATIONAL and self.quiet() >= self._quiet_time  # A-07
 
     @property
     def obstacle(self) -> str:
@@ -54,11 +56,3 @@ class Panel:
         self._state = state
         if state is State.OPERATIONAL:
             self.local = False
-
-    def on_frame(self) -> None:
-        """A frame for this node has come, or one of its own has gone."""
-        self._quiet = 0.0
-
-    def step(self, dt: float) -> None:
-        """Time without a frame."""
-        self._quiet += dt
