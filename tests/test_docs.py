@@ -1,5 +1,7 @@
+import os
 import re
 import shlex
+import sys
 from dataclasses import fields
 from pathlib import Path
 from typing import Literal, get_args, get_origin, get_type_hints
@@ -57,8 +59,9 @@ def page_of(device):
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(DOCS)))
-def test_what_a_page_shows_works(page, pytester):
+def test_what_a_page_shows_works(page, pytester, monkeypatch):
     pytester.syspathinsert()  # as for whoever types it in this directory
+    monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
     Reader(page, pytester).read()
 
 

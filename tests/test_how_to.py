@@ -71,7 +71,8 @@ def port():
 def elsewhere(text, port):
     """The same, with the hub at another port."""
     text = text.replace("canopen-twin hub", f"canopen-twin hub --listen :{port}")
-    return text.replace("--hub", f"--hub :{port}").replace(PORT, port)
+    text = re.sub("--hub(?! --)", f"--hub :{port}", text)  # in front of a command it is its own
+    return text.replace(PORT, port)
 
 
 def carried_out(script, folder, port, **told):

@@ -21,7 +21,7 @@ def test_the_rest_of_the_story_decides_when_the_test_is_over(run, story):
     result.stdout.fnmatch_lines(
         [
             "late.yaml: FAIL (1 FAIL)",
-            "  FAIL   3000.000000 s  late.yaml:5: Nominal voltage 401 at once: *is 400",
+            "  FAIL   3000.000000 s  late.yaml:5: topcon: Nominal voltage 401 at once: *is 400",
         ]
     )
     assert "Traceback" not in result.stdout.str()
@@ -48,7 +48,7 @@ def test_a_test_that_fails_by_itself_says_so_and_how_the_bench_was(run, story):
             "topcon: node 5*",
             "*CANopen: the scenario so far*",
             "late.yaml: ERROR (1 ERROR)",
-            "* late.yaml:5: *: 1 steps from here on were not reached",
+            "* late.yaml:5: *: 1 step from here on were not reached",
         ]
     )
     result.stdout.no_fnmatch_line("*3000.0*")

@@ -35,7 +35,8 @@ def test_a_story_leaves_what_came_of_it_in_the_report(report, story):
         ("canopen_seconds", "0.100001"),
         (
             "canopen_outcome",
-            "FAIL 0.100000 s two.twin.yaml:6: Nominal voltage 401 at once: Nominal voltage is 400",
+            "FAIL 0.100000 s two.twin.yaml:6: topcon:"
+            " Nominal voltage 401 at once: Nominal voltage is 400",
         ),
     ]
 

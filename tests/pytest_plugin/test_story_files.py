@@ -30,7 +30,7 @@ def test_what_failed_is_told_in_the_words_of_the_verdict_alone(run, stories):
         [
             "*_ It is not _*",
             "bad.twin.yaml: FAIL (1 FAIL)",
-            "  FAIL      0.100000 s  bad.twin.yaml:5: Nominal voltage 401 at once: *is 400",
+            "  FAIL      0.100000 s  bad.twin.yaml:5: topcon: Nominal voltage 401 at once: *is 400",
             "*705#00*boot-up",
             "*topcon: node 5, PRE-OPERATIONAL",
             "FAILED bad.twin.yaml::It is not - *bad.twin.yaml: FAIL (1 FAIL)",

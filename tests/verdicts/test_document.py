@@ -24,6 +24,7 @@ def test_it_has_everything_a_verdict_has(verdict):
         "what": "no EMCY for 1 s",
         "seen": "2300/03/23",
         "note": "A note.",
+        "node": "topcon",
         "scene": verdict.outcomes[1].scene,
     }
     assert [each["verdict"] for each in outcomes] == ["PASS", "FAIL", "ERROR", "ERROR", "SKIP"]

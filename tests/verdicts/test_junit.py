@@ -42,18 +42,21 @@ def test_a_scenario_is_a_suite_and_an_outcome_is_a_case(verdict):
         (case.get("classname"), case.get("name"), case.get("time"), [each.tag for each in case])
         for case in suite.iter("testcase")
     ] == [
-        ("stories/all.yaml", "5: 705#00 at once", "0.100000", []),
-        ("stories/all.yaml", "6: no EMCY for 1 s", "0.250000", ["failure"]),
-        ("stories/all.yaml", "8: write X = 3", "2.000000", ["error"]),
-        ("stories/all.yaml", "8: write X = 3 (2)", "3.000000", ["error"]),
-        ("stories/all.yaml", "9: nmt", "3.000000", ["skipped"]),
+        ("stories/all.yaml", "705#00 at once", "0.100000", []),
+        ("stories/all.yaml", "topcon: A note.", "0.250000", ["failure"]),
+        ("stories/all.yaml", "write X = 3", "2.000000", ["error"]),
+        ("stories/all.yaml", "write X = 3 (2)", "3.000000", ["error"]),
+        ("stories/all.yaml", "nmt", "3.000000", ["skipped"]),
     ]
 
 
 def test_what_did_not_pass_is_told_with_what_came_its_note_and_its_scene(verdict):
     failure = told(verdict).find(".//failure")
     assert failure.attrib == {"type": "FAIL", "message": "2300/03/23"}
-    assert failure.text == f"A note.\n{verdict.outcomes[1].scene}"
+    assert failure.text == (
+        "stories/all.yaml:6: topcon: no EMCY for 1 s: 2300/03/23\n"
+        f"A note.\n{verdict.outcomes[1].scene}"
+    )
 
 
 def test_the_kinds_are_counted_apart(verdict):
@@ -90,10 +93,11 @@ def test_a_scenario_that_expects_nothing_has_no_case():
 
 @pytest.mark.parametrize("text", ["\x00\x1b[1m\r", "\ufffe", "\udc80", "<&>\"']]>", "\U0001f50c ä"])
 def test_any_text_makes_a_document(verdict, text):
-    outcome = Outcome(Kind.FAIL, 0.0, 1, text, text, text, text)
+    outcome = Outcome(Kind.FAIL, 0.0, 1, text, text, text, text, text)
     odd = replace(verdict, file=text, name=text, outcomes=(outcome,))
     (suite,) = ElementTree.fromstring(as_junit([odd]).encode("utf-8"))
     readable = suite.get("name")
     assert suite.find("testcase").get("classname") == readable
-    assert suite.find(".//failure").text == f"{readable}\n{readable}"
+    place = f"{readable}:1: {readable}: {readable}: {readable}"
+    assert suite.find(".//failure").text == f"{place}\n{readable}\n{readable}"
     assert readable == text or "\\x" in readable

@@ -1,7 +1,8 @@
 """The bus of `run`: one of python-can, or one on a hub."""
 
 import argparse
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, nullcontext
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -14,6 +15,8 @@ from canopen_twins.bus.hub.protocol import HubAddress
 from canopen_twins.cli.command import Parser
 from canopen_twins.errors import UserError
 from canopen_twins.live.bus import OpenBus
+from canopen_twins.live.hub_process import hub_process
+from canopen_twins.live.master_process import BusPlace
 
 DEFAULT_BUS = "vcan0"  # on a hub
 
@@ -28,7 +31,10 @@ VIRTUAL: Mapping[str, Callable[[Mapping[str, Any]], bool]] = {
 
 def add_bus(parser: Parser) -> None:
     """A hub or a bus of python-can."""
-    text = f"join a hub (default: {HubAddress()}); the bus is that of -c"
+    text = (
+        f"join a hub (default: {HubAddress()}, or with a COMMAND one of this run alone); the bus is"
+        " that of -c"
+    )
     parser.add_argument("--hub", nargs="?", const="", metavar="HOST:PORT", help=text)
     parser.add_argument(
         "--real-bus", action="store_true", help="the bus may have real devices on it"
@@ -41,18 +47,32 @@ class NamedBus(NamedTuple):
     open: OpenBus
     told: Mapping[str, object]
     """What programs are told of it."""
+    place: BusPlace
+    """Where a master finds it."""
     virtual: bool
     """Whether there is no hardware on it."""
     private: bool = False
     """Whether nobody from another process can be on it."""
 
 
-def named_bus(options: argparse.Namespace) -> NamedBus:
-    """The bus of the options.
+@contextmanager
+def bus_of_run(options: argparse.Namespace) -> Iterator[NamedBus]:
+    """The bus of the options; with a command and `--hub` alone there is a hub meanwhile.
 
     Raises:
         UserError: they contradict each other, or name a real bus without saying so.
     """
+    with hub_process() if options.words and options.hub == "" else nullcontext() as address:
+        if address is not None:
+            options.hub = str(address)
+        bus = named_bus(options)
+        if options.words and bus.private:
+            raise UserError("no other process can join a virtual bus: say --hub with a COMMAND")
+        yield bus
+
+
+def named_bus(options: argparse.Namespace) -> NamedBus:
+    """The bus of the options; raises as `bus_of_run` does."""
     bus = _of_python_can(options) if options.hub is None else _of_a_hub(options)
     if not bus.virtual and not options.real_bus:
         where = " ".join(str(word) for word in bus.told.values() if word is not None)
@@ -65,7 +85,8 @@ def _of_a_hub(options: argparse.Namespace) -> NamedBus:
         raise UserError("--hub is a bus by itself: leave --interface out")
     address, name = HubAddress.parse(options.hub), getattr(options, "channel", DEFAULT_BUS)
     told = {"hub": str(address), "channel": name}
-    return NamedBus(partial(_join, address, name), told, virtual=address.is_loopback)
+    place = BusPlace.on_hub(address, name)
+    return NamedBus(partial(_join, address, name), told, place, virtual=address.is_loopback)
 
 
 def _of_python_can(options: argparse.Namespace) -> NamedBus:
@@ -74,7 +95,8 @@ def _of_python_can(options: argparse.Namespace) -> NamedBus:
     known = VIRTUAL.get(str(interface))
     virtual = interface is None if known is None else known(config)  # None: it will not open
     told = {"interface": interface, "channel": config.get("channel")}
-    return NamedBus(partial(_open, options), told, virtual, interface == "virtual")
+    place = BusPlace(str(interface), str(config.get("channel")))
+    return NamedBus(partial(_open, options), told, place, virtual, interface == "virtual")
 
 
 def _config(options: argparse.Namespace) -> Mapping[str, Any]:

@@ -1,6 +1,7 @@
 """What commands share: a parser, the options of a device, signals, and the exit codes."""
 
 import argparse
+import os
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -9,11 +10,14 @@ from types import FrameType
 from typing import Any
 
 from canopen_twins.errors import UserError
+from canopen_twins.live.parent import Parent
 
 OK = 0
 FAILED = 1
 """An expectation failed, or two runs are not the same; also a bug, with its traceback."""
 WRONG_INPUT = 2
+SIGNALLED = 128
+"""And the number of the signal, as shells have it."""
 INTERRUPTED = 130
 """By SIGINT, as shells have it."""
 NO_READER = 141
@@ -28,12 +32,19 @@ class Parser(argparse.ArgumentParser):
     """The parser of a command, which is empty until the command is chosen."""
 
     complete: "Callable[[Parser], None] | None" = None
+    takes_command = False
+    """Whether what stands behind `--` is a command to be run, `words` of the options."""
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Parse, after everything is there."""
         complete, self.complete = self.complete, None
         if complete is not None:
             complete(self)
+        if self.takes_command:
+            args = list(args)
+            end = args.index("--") if "--" in args else len(args)
+            self.set_defaults(words=args[end + 1 :])
+            args = args[:end]
         return super().parse_known_args(args, namespace)
 
 
@@ -53,6 +64,24 @@ def add_device(parser: Parser, text: str = DEVICE, nargs: str | None = None) -> 
         "--set", action="append", default=[], metavar="KEY=VALUE", help="see `settings DEVICE`"
     )
     parser.add_argument("--config", metavar="FILE", help="short for --set config=FILE")
+
+
+def add_parent(parser: Parser) -> None:
+    """The process that is served."""
+    text = "end when this process ends, however that comes"
+    parser.add_argument("--parent", type=int, metavar="PID", help=text)
+
+
+def parent(options: argparse.Namespace) -> Parent | None:
+    """The process of `--parent`; that which has called us, if we run a command.
+
+    Raises:
+        UserError: there is no such process.
+    """
+    if options.parent is not None:
+        return Parent(options.parent)
+    caller = os.getppid() if getattr(options, "words", None) else 0  # 0: we are the first process
+    return Parent(caller) if caller else None
 
 
 def device_settings(options: argparse.Namespace) -> dict[str, object]:

@@ -5,24 +5,29 @@ import json
 import logging
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
+from functools import partial
 from pathlib import Path
 
 from can.cli import add_bus_arguments
 
 from canopen_twins import devices
 from canopen_twins.bus.segment import Segment
-from canopen_twins.cli.bus import NamedBus, add_bus, named_bus
+from canopen_twins.cli.bus import NamedBus, add_bus, bus_of_run
 from canopen_twins.cli.check import load
 from canopen_twins.cli.command import (
     DEVICE,
     FAILED,
+    INTERRUPTED,
     OK,
     SCENARIO,
+    SIGNALLED,
     Parser,
     Signals,
     add_device,
+    add_parent,
     catch_signals,
     device_settings,
+    parent,
 )
 from canopen_twins.cli.control import add_control, controlled
 from canopen_twins.cli.results import Announcer, add_recording, add_reports, recording
@@ -33,9 +38,11 @@ from canopen_twins.errors import UserError
 from canopen_twins.faults import connect
 from canopen_twins.files.whole import held
 from canopen_twins.live.bus import OpenBus, with_node_id_check
+from canopen_twins.live.master_process import MasterProcess
+from canopen_twins.live.run_end import RunEnd
 from canopen_twins.live.serve import serve
 from canopen_twins.scenario import Player, Scenario, begin, load_bench
-from canopen_twins.scenario.scenario import NodeSpec
+from canopen_twins.scenario.scenario import EndsWith, NodeSpec
 from canopen_twins.slave.memory import Memory
 
 log = logging.getLogger(__name__)
@@ -49,14 +56,18 @@ def add_run(parser: Parser) -> None:
     text = f"{DEVICE}, or a bench file; with --scenario it may be left out"
     add_device(parser, text, nargs="?")
     parser.epilog = (
-        "Booting, answering, storing and measuring take the times of --set timing=typical, unless a"
-        " file or --set says otherwise; timing=ideal is none. A scenario has its own."
+        "With -- COMMAND a master is started beside the twins when they are on the bus. It finds"
+        " the bus where it says {interface}, {channel} and {hub}, and in its environment. Booting,"
+        " answering, storing and measuring take the times of --set timing=typical, unless a file or"
+        " --set says otherwise; timing=ideal is none. A scenario has its own."
     )
+    parser.takes_command = True
     parser.add_argument("--scenario", metavar="SCENARIO", help=SCENARIO)
     text = "keep what the device stores in a file"
     parser.add_argument("--nvram", type=Path, metavar="FILE", help=text)
     add_bus(parser)
     add_control(parser)
+    add_parent(parser)
     add_reports(parser)
     add_recording(parser)
     add_bus_arguments(parser)
@@ -64,7 +75,11 @@ def add_run(parser: Parser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Serve until SIGTERM (0), SIGINT (130) or the end of the scenario (0, or 1 if it failed)."""
+    """Serve until a signal, the end of the scenario or that of the command beside it.
+
+    The exit code is that of the verdict (0, or 1 if it failed); without a scenario that of the
+    command; without either 0, or 130 by SIGINT.
+    """
     with held(options.nvram) if options.nvram else nullcontext(), catch_signals() as signals:
         return _run(options, signals)
 
@@ -77,22 +92,48 @@ def _run(options: argparse.Namespace, signals: Signals) -> int:
     scenario = load(options.scenario) if options.scenario else None
     participants = _participants(options, scenario)
     nodes = {name: connect(segment, device, name) for name, device in participants.items()}
-    player = Player(scenario, segment, nodes) if scenario else None
+    until_told = bool(options.words) and scenario and scenario.ends_with is EndsWith.COMMAND
+    player = Player(scenario, segment, nodes, bool(until_told)) if scenario else None
     _tune(segment, getattr(options, "bitrate", None))
-    bus = named_bus(options)
-    ready = {**_ready(_title(options, scenario), segment), **bus.told}
-    with _off_in_the_end(segment), controlled(options, segment) as control:
-        ready |= control.told
+    end = parent(options)
+    with (
+        _off_in_the_end(segment),
+        bus_of_run(options) as bus,
+        controlled(options, segment) as control,
+    ):
+        master = MasterProcess(options.words, bus.place) if options.words else None
         with recording(options, "run", scenario, participants) as observers:
             begin(segment, player, observers)
-            serve(
-                segment,
-                _opening(bus, segment),
-                lambda: bool(signals) or (player is not None and player.done),
-                lambda: print(json.dumps(ready), flush=True),
-                control.orders,
-            )
-        return signals.code if player is None else _told(player, announcer, signals)
+            ready = {**_ready(_title(options, scenario), segment), **bus.told, **control.told}
+            try:
+                serve(
+                    segment,
+                    _opening(bus, segment),
+                    RunEnd(lambda: bool(signals), player, master, end),
+                    partial(_begin, ready, master),
+                    control.orders,
+                )
+            finally:
+                if master is not None:
+                    master.end()
+        if player is None:
+            return _code_of(master, signals)
+        return _told(player, announcer, signals)
+
+
+def _begin(ready: Mapping[str, object], master: MasterProcess | None) -> None:
+    """All is on the bus."""
+    print(json.dumps(ready), flush=True)
+    if master is not None:
+        master.start()
+
+
+def _code_of(master: MasterProcess | None, signals: Signals) -> int:
+    """As shells have it of what was ended by a signal, and if it is by us, what ended us."""
+    if master is None or signals:
+        return signals.code
+    code = master.code or 0
+    return code if code >= 0 else SIGNALLED - code
 
 
 def _tune(segment: Segment[Node], bit_rate: int | None) -> None:
@@ -116,13 +157,13 @@ def _off_in_the_end(segment: Segment[Node]) -> Iterator[None]:
 
 
 def _told(player: Player, announcer: Announcer, signals: Signals) -> int:
-    """Programs hear of a run that was stopped before its end, too."""
-    if player.done or announcer.wanted:
-        announcer.tell(player.verdict)
-        announcer.end()
-    if not player.done:
-        return signals.code
-    return OK if player.verdict.ok else FAILED
+    """The verdict, whatever has ended the run; Ctrl-C before anything is judged is none."""
+    verdict = player.verdict
+    announcer.tell(verdict)
+    announcer.end()
+    if signals.code == INTERRUPTED and not player.judged:
+        return INTERRUPTED
+    return OK if verdict.ok else FAILED
 
 
 def _opening(bus: NamedBus, segment: Segment[Node]) -> OpenBus:

@@ -84,6 +84,16 @@ class RunMaster(Action):
 
 
 @dataclass(frozen=True)
+class Surroundings(Action):
+    """What is around a run and no part of its file, in words: its command, its bus."""
+
+    what: str
+
+    def __str__(self) -> str:
+        return self.what
+
+
+@dataclass(frozen=True)
 class Inject(Action):
     """Something goes wrong, in the order of the file, and perhaps ends by itself."""
 

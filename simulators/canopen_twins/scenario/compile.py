@@ -41,6 +41,7 @@ from canopen_twins.scenario.rehearsal import Find, Participants, Rehearsal
 from canopen_twins.scenario.scenario import (
     After,
     At,
+    EndsWith,
     Moment,
     NodeSpec,
     Scenario,
@@ -82,16 +83,18 @@ def _scenario(file: schema.ScenarioFile, path: Path, find: Find) -> Scenario:
     if file.node is not None:
         participants.take(file.node.device, file.node, file.node.place)
     _take(file.nodes or {}, participants)
+    lasts = inf if file.ends_with is EndsWith.COMMAND else file.duration
     return Scenario(
         path,
         name=file.name or path.stem,
         note=file.note,
         nodes=participants.specs,
-        steps=_steps(file.steps, participants, file.duration),
+        steps=_steps(file.steps, participants, lasts),
         cleanup=_steps(file.cleanup or [], participants, 0.0),
         covers=tuple(file.covers or ()),
         seed=DEFAULT_SEED if file.seed is None else file.seed,
         duration=file.duration,
+        ends_with=file.ends_with,
         bit_rate=file.bit_rate,
         bit_rate_line=0 if file.bit_rate is None else file.item_of("bit_rate").line,
         master=_master(file, path),

@@ -10,7 +10,13 @@ from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
-from canopen_twins.scenario.actions import Expectation, Inject, Limit, RunMaster
+from canopen_twins.scenario.actions import (
+    Expectation,
+    Inject,
+    Limit,
+    RunMaster,
+    Surroundings,
+)
 from canopen_twins.scenario.bus_events import WHOLE_MOMENT, BusEvents, Position
 from canopen_twins.scenario.expectation_run import GRAIN, ExpectationRun, Watch
 from canopen_twins.scenario.matchers import Condition, Entered, Matcher, Written
@@ -63,6 +69,7 @@ class StepSequence:
         self._next = dict(pairwise(runs))
         self._open: list[ExpectationRun] = []
         self._errors: list[Step] = []
+        self._reason = ""  # why all the rest is left out, if it is not for an error of a step
         self._lasts = 0  # not over before this microsecond
         self._timer: Timer | None = None
 
@@ -93,8 +100,7 @@ class StepSequence:
         missed = [run.step for run in self._left if not run.rounds]
         yield from ((run.step, UNDECIDED) for run in self._left if run.rounds)
         if missed:
-            text = f"{len(missed)} steps from here on were not reached"
-            yield missed[0], Finding(Kind.ERROR, text)
+            yield missed[0], _not_reached(len(missed))
 
     # A step waits for its moment, is carried out, and lets the next one come
 
@@ -165,7 +171,7 @@ class StepSequence:
 
     @property
     def _failed(self) -> bool:
-        return self._strict and bool(self._errors)
+        return bool(self._reason) or (self._strict and bool(self._errors))
 
     @property
     def _stopped(self) -> bool:
@@ -212,10 +218,22 @@ class StepSequence:
         """The time for them is over, whatever is left."""
         for expected in [*self._open]:
             self._drop(expected, UNDECIDED)
-        for run in [*self._left]:
-            if run.scheduled:
-                self._give_up(run, UNDECIDED)
+        self.conclude()
+
+    def conclude(self) -> None:
+        """The run ends here: what waits for its end is decided, what waits for time is not."""
+        for expected in [each for each in self._open if each.last is not None]:
+            self._drop(expected, UNDECIDED)
+        missed = [run for run in self._left if run.scheduled]
+        if missed:
+            self._give_up(missed[0], _not_reached(len(missed)))
         self._end()
+
+    def abort(self, reason: str) -> None:
+        """The run ends here, and nothing that is left says anything."""
+        if not self.over:
+            self._reason = f"left out: {reason}"
+            self._end()
 
     def _end(self) -> None:
         if self.over:
@@ -228,7 +246,7 @@ class StepSequence:
                 self._drop(expected, self._left_out)
             else:
                 expected.close()
-        for run in [run for run in self._left if run.waiting and not self._errors]:
+        for run in [run for run in self._left if run.waiting and not self._left_out_for]:
             self._give_up(run, self.never_came)
         for run in [*self._left]:
             self._give_up(run, self._left_out)
@@ -252,10 +270,22 @@ class StepSequence:
             self._errors.append(step)
 
     @property
+    def _left_out_for(self) -> str:
+        """Why what is left is left out, in words; empty if it is not."""
+        if self._reason or not self._errors:
+            return self._reason
+        return f"left out after the error in line {self._errors[0].line}"
+
+    @property
     def _left_out(self) -> Finding:
-        if not self._errors:  # what it stands behind never came, which was no error
+        if not self._left_out_for:  # what it stands behind never came, which was no error
             return self.never_came
-        return Finding(Kind.SKIP, f"left out after the error in line {self._errors[0].line}")
+        return Finding(Kind.SKIP, self._left_out_for)
+
+
+def _not_reached(count: int) -> Finding:
+    steps = "1 step" if count == 1 else f"{count} steps"
+    return Finding(Kind.ERROR, f"{steps} from here on were not reached")
 
 
 def _takes(step: Step) -> float:
@@ -268,13 +298,18 @@ class Player:
     """Puts every step on the clock; `nodes` are those of the scenario, by its names.
 
     Started before their power is switched on, it hears them boot. `listeners` hear what it does.
+    With `until_told` it is not over before `conclude`, as where a command ends the run.
 
     Raises:
         UserError: a node of the scenario is missing.
     """
 
     def __init__(
-        self, scenario: Scenario, segment: Segment[Node], nodes: Mapping[str, Node]
+        self,
+        scenario: Scenario,
+        segment: Segment[Node],
+        nodes: Mapping[str, Node],
+        until_told: bool = False,
     ) -> None:
         for name in scenario.nodes:
             if name not in nodes:
@@ -289,7 +324,8 @@ class Player:
         self.listeners = self._log.listeners
         faults = InjectedFaults(self._nodes, self._log)
         shared = Resources(self._bus, self._master, faults, self._log)
-        self._steps = StepSequence(scenario.steps, shared, self._clean_up, scenario.duration)
+        duration = LONGEST if until_told else scenario.duration
+        self._steps = StepSequence(scenario.steps, shared, self._clean_up, duration)
         self._cleanup = StepSequence(scenario.cleanup, shared, strict=False)
 
     def start(self) -> None:
@@ -315,10 +351,29 @@ class Player:
             return self._steps.over and self._cleanup.settled
         return self._steps.over or self._steps.settled
 
+    def conclude(self) -> None:
+        """End the steps at this moment; what is left is their cleanup."""
+        self._steps.conclude()
+
+    def blame(self, what: str, seen: str) -> None:
+        """Something around the run, and no step of it, is in error."""
+        step = Step(At(0), "", Surroundings(what), "", 0)
+        self._log.decide(step, Finding(Kind.ERROR, seen))
+
+    def abort(self, what: str, seen: str) -> None:
+        """The same, and the run says nothing from here on; what is left is its cleanup."""
+        self.blame(what, seen)
+        self._steps.abort(f"{what} {seen}")
+
     @property
     def horizon(self) -> float:
         """Time of the clock before which the run is not over, unless an error ends it."""
         return (max(self._steps.horizon, self._cleanup.horizon) + GRAIN) / MICROSECONDS
+
+    @property
+    def judged(self) -> bool:
+        """Whether anything has been decided by now."""
+        return self.done or self._log.judged
 
     @property
     def verdict(self) -> Verdict:

@@ -109,6 +109,11 @@ class RunLog:
         fields = {"line": outcome.line, "what": outcome.what, "seen": outcome.seen}
         self.tell(step.node, "outcome", verdict=str(outcome.kind), **fields)
 
+    @property
+    def judged(self) -> bool:
+        """Whether anything has been decided, beside what this bus cannot do."""
+        return any(outcome.kind is not Kind.SKIP for outcome, _ in self._decided)
+
     def outcomes(self, undecided: Iterable[tuple[Step, Finding]]) -> tuple[Outcome, ...]:
         """All in the order of the file, with what is to be said now of what is not decided."""
         outcomes = [replace(each, scene=str(shown or "")) for each, shown in self._decided]
@@ -119,7 +124,7 @@ class RunLog:
 
     def _outcome(self, step: Step, finding: Finding, tick: int | None = None) -> Outcome:
         time, what = self.now if tick is None else self._seconds(tick), str(step.action)
-        return Outcome(finding.kind, time, step.line, what, finding.seen, step.note)
+        return Outcome(finding.kind, time, step.line, what, finding.seen, step.note, node=step.node)
 
     def _snapshot(self, time: float, step: Step) -> Snapshot:
         """Of this moment; what a step expects concerns its node."""

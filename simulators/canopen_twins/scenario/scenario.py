@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
 
 from canopen_twins.bench.python_master import PythonMaster
@@ -25,6 +26,13 @@ class After:
 
 
 Moment = At | After | Condition
+
+
+class EndsWith(StrEnum):
+    """What is waited for, where a command runs beside a scenario; the other one is ended."""
+
+    SCENARIO = "scenario"
+    COMMAND = "command"
 
 
 @dataclass(frozen=True)
@@ -73,6 +81,8 @@ class Scenario:
     """What the file gives, or would have given; the reader has put it where it belongs."""
     duration: float | None = None
     """Seconds that the run lasts at least; None: conditions are waited for, a minute at most."""
+    ends_with: EndsWith = EndsWith.SCENARIO
+    """What ends a run that has a command beside it."""
     bit_rate: int | None = None
     """In bit/s, for the simulated bus; None: frames take no time."""
     bit_rate_line: int = 0

@@ -44,6 +44,7 @@ from canopen_twins.files.table import (
 )
 from canopen_twins.scenario.actions import PATIENCE
 from canopen_twins.scenario.matchers import COMMANDS
+from canopen_twins.scenario.scenario import EndsWith
 from canopen_twins.scenario.sdo_client import ACCEPTED
 from canopen_twins.slave.service import State
 
@@ -346,6 +347,10 @@ class ScenarioFile(FileOfNodes):
     """Where chance begins, for every fault and device that has a `seed` and is given none."""
     duration: Seconds | None = None
     """Seconds that the run lasts at least; without it conditions are waited for another 60 s."""
+    ends_with: Annotated[EndsWith, word("end of a run", {str(end): end for end in EndsWith})] = (
+        EndsWith.SCENARIO
+    )
+    """What ends a run with a command beside it (`run ... -- COMMAND`): the one or the other."""
     bit_rate: Annotated[int, whole(*BIT_RATES)] | None = None
     """Bit/s of the simulated bus; frames take no time if it is left out."""
     master: Text | None = None

@@ -38,7 +38,7 @@ class Outcome:
     time: float
     """Seconds of the scenario at which it was decided."""
     line: int
-    """Of the file."""
+    """Of the file; 0 for what is no part of it, as the master that was started beside it."""
     what: str
     seen: str
     note: str = ""
@@ -46,10 +46,12 @@ class Outcome:
     """The last frames in words and how the node was then, for what did not pass."""
     topic: str = ""
     """The number of a topic of a conformance test, which is in no line of a file."""
+    node: str = ""
+    """Which it is about, by its name in the file; empty if it is about none."""
 
     @property
     def place(self) -> int | str:
-        """Where it is expected."""
+        """Where it is expected; 0 if it is no part of a file."""
         return self.topic or self.line
 
 
@@ -86,12 +88,18 @@ class Verdict:
         return "\n".join(lines)
 
     def _lines(self, outcome: Outcome) -> list[str]:
-        head = f"  {outcome.kind:5} {outcome.time:12.6f} s  {self.file}:{outcome.place}: "
-        lines = [f"{head}{outcome.what}: {outcome.seen}"]
+        head = f"  {outcome.kind:5} {outcome.time:12.6f} s  {_told(self, outcome)}"
+        lines = [head]
         if outcome.scene:
             note = [f"note: {outcome.note}"] if outcome.note else []
             lines += [f"        {line}" for line in (*note, *outcome.scene.splitlines())]
         return lines
+
+
+def _told(verdict: Verdict, outcome: Outcome) -> str:
+    """One outcome with its place, its node, what was wanted and what came."""
+    place = f"{verdict.file}:{outcome.place}" if outcome.place else verdict.file
+    return ": ".join(filter(None, (place, outcome.node, outcome.what, outcome.seen)))
 
 
 def _summary(verdict: Verdict) -> Iterator[tuple[str, str]]:
@@ -109,8 +117,7 @@ def as_properties(verdict: Verdict) -> Iterator[tuple[str, str]]:
     yield from _summary(verdict)
     for each in verdict.outcomes:
         if each.kind is not Kind.PASS:
-            place = f"{each.kind} {each.time:.6f} s {verdict.file}:{each.place}"
-            yield "canopen_outcome", f"{place}: {each.what}: {each.seen}"
+            yield "canopen_outcome", f"{each.kind} {each.time:.6f} s {_told(verdict, each)}"
 
 
 VERSION = 1  # of the JSON
@@ -146,6 +153,7 @@ def _outcome(outcome: Outcome) -> Mapping[str, object]:
         "what": outcome.what,
         "seen": outcome.seen,
         "note": outcome.note,
+        "node": outcome.node,
         "scene": outcome.scene,
     }
 
@@ -175,20 +183,22 @@ def _suite(verdict: Verdict) -> Element:
         SubElement(properties, "property", name=name, value=_clean(value))
     seen: Counter[str] = Counter()
     for outcome in verdict.outcomes:
-        name = f"{outcome.place}: {outcome.what}"
+        told = (outcome.topic, outcome.node, outcome.note or outcome.what)
+        name = ": ".join(filter(None, told))
         seen[name] += 1
         case = SubElement(suite, "testcase", time=f"{outcome.time:.6f}")
         case.set("classname", _clean(verdict.file))
         case.set("name", _clean(name if seen[name] == 1 else f"{name} ({seen[name]})"))
-        _result(case, outcome)
+        _result(case, verdict, outcome)
     return suite
 
 
-def _result(case: Element, outcome: Outcome) -> None:
+def _result(case: Element, verdict: Verdict, outcome: Outcome) -> None:
     if outcome.kind in ELEMENTS:
         result = SubElement(case, ELEMENTS[outcome.kind], type=outcome.kind.value)
         result.set("message", _clean(outcome.seen))
-        result.text = _clean("\n".join(filter(None, (outcome.note, outcome.scene))))
+        place = _told(verdict, outcome)
+        result.text = _clean("\n".join(filter(None, (place, outcome.note, outcome.scene))))
 
 
 def _counts(verdicts: Sequence[Verdict]) -> dict[str, str]:
