@@ -93,7 +93,7 @@ def test_what_the_command_did_not_wait_for_is_an_error(beside):
     code, out, _ = beside(UNTIL_RUN.replace("steps", "ends_with: command\nsteps") + later, "pass")
     assert code == 1
     assert "story.yaml:5: topcon: write Run command = 1 within 10 s: the run ended before" in out
-    assert "story.yaml:8: topcon: set: 1 step from here on were not reached" in out
+    assert "story.yaml:8: topcon: set: 1 step from here on was not reached" in out
 
 
 def test_without_a_scenario_the_exit_code_is_that_of_the_command(beside):

@@ -48,7 +48,7 @@ def test_a_test_that_fails_by_itself_says_so_and_how_the_bench_was(run, story):
             "topcon: node 5*",
             "*CANopen: the scenario so far*",
             "late.yaml: ERROR (1 ERROR)",
-            "* late.yaml:5: *: 1 step from here on were not reached",
+            "* late.yaml:5: *: 1 step from here on was not reached",
         ]
     )
     result.stdout.no_fnmatch_line("*3000.0*")

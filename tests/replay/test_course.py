@@ -124,7 +124,7 @@ def test_what_is_left_in_the_middle_of_a_run_counts_as_an_error(story):
     assert not player.done
     assert [(each.kind, each.line, each.seen) for each in player.verdict.outcomes] == [
         (Kind.ERROR, 4, "the run ended before it was decided"),
-        (Kind.ERROR, 5, "1 step from here on were not reached"),
+        (Kind.ERROR, 5, "1 step from here on was not reached"),
         (Kind.ERROR, 7, "2 steps from here on were not reached"),
     ]
     segment.advance(10)

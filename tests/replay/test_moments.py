@@ -226,7 +226,7 @@ def test_a_run_is_over_after_a_day(played):
     )
     assert outcomes == [
         "ERROR 86400 the run ended before it was decided",
-        "ERROR 86400 the run ended before it was decided",
+        "ERROR 86400 1 step from here on was not reached",
     ]
 
 

@@ -47,8 +47,9 @@ def test_a_verdict_reads_as_a_report(story):
     file = scenario.file
     assert str(play(scenario)).splitlines() == [
         f"{file}: FAIL (1 PASS, 1 FAIL)",
-        f"  PASS      0.500000 s  {file}:5: EMCY 1000/xx/xx within 0.1 s: 1000/03/646C656966",
-        f"  FAIL      1.000000 s  {file}:6: Word 0x0005 at once: Word is 0x1234",
+        f"  PASS      0.500000 s  {file}:5: probe: EMCY 1000/xx/xx within 0.1 s:"
+        " 1000/03/646C656966",
+        f"  FAIL      1.000000 s  {file}:6: probe: Word 0x0005 at once: Word is 0x1234",
         "        note: It cannot be both.",
         "            0.000000  probe       705#00                 boot-up",
         "            0.500000  probe       085#0010036669656C64   EMCY 1000h register 03h",

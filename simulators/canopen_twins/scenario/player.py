@@ -224,6 +224,8 @@ class StepSequence:
         """The run ends here: what waits for its end is decided, what waits for time is not."""
         for expected in [each for each in self._open if each.last is not None]:
             self._drop(expected, UNDECIDED)
+        for run in [run for run in self._left if run.rounds]:
+            self._give_up(run, UNDECIDED)
         missed = [run for run in self._left if run.scheduled]
         if missed:
             self._give_up(missed[0], _not_reached(len(missed)))
@@ -284,8 +286,8 @@ class StepSequence:
 
 
 def _not_reached(count: int) -> Finding:
-    steps = "1 step" if count == 1 else f"{count} steps"
-    return Finding(Kind.ERROR, f"{steps} from here on were not reached")
+    steps = "1 step from here on was" if count == 1 else f"{count} steps from here on were"
+    return Finding(Kind.ERROR, f"{steps} not reached")
 
 
 def _takes(step: Step) -> float:

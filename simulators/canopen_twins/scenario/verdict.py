@@ -44,10 +44,10 @@ class Outcome:
     note: str = ""
     scene: str = ""
     """The last frames in words and how the node was then, for what did not pass."""
-    topic: str = ""
-    """The number of a topic of a conformance test, which is in no line of a file."""
     node: str = ""
     """Which it is about, by its name in the file; empty if it is about none."""
+    topic: str = ""
+    """The number of a topic of a conformance test, which is in no line of a file."""
 
     @property
     def place(self) -> int | str:
