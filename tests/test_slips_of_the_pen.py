@@ -1,8 +1,12 @@
 """What people write by mistake, and that the answer has what would be right."""
 
+import re
+
 import pytest
 
 from canopen_twins import Bench, UserError
+from canopen_twins.bus import vcan
+from canopen_twins.cli import main
 from canopen_twins.scenario import load
 
 HEAD = "version: 1\nnode: {device: topcon, node_id: 5}\nsteps:\n"
@@ -100,3 +104,57 @@ def test_a_step_with_only_a_condition_waits(tmp_path):
     )
     waiting, _ = load(path).steps
     assert str(waiting.action) == "wait"
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        ("heartbeat_lost", "did you mean 'heartbeat_stopped'?"),
+        ("overvoltage", "did you mean 'error'?"),
+        ("OVP", "did you mean 'error'?"),
+        ("sdo-timeout", "did you mean 'sdo_silence'?"),
+        ("brownout", "did you mean 'brown_out'?"),
+        ("frame missing", "did you mean 'frame_lost'?"),
+        ("heartbeat_sopped", "did you mean 'heartbeat_stopped'?"),
+    ],
+)
+def test_a_fault_is_found_by_the_words_of_the_field(asked, told):
+    with pytest.raises(UserError, match=re.escape(told)):
+        Bench("topcon", node_id=5).inject(asked)
+
+
+def test_a_short_circuit_is_a_fault_of_the_charger():
+    with pytest.raises(UserError, match="did you mean 'short'"):
+        Bench("charger", node_id=5).inject("short_circuit")
+
+
+def test_a_parameter_without_its_name_is_told_how_it_is_written():
+    told = re.escape("inject('error', NAME=35)")
+    with pytest.raises(UserError, match=told):
+        Bench("topcon", node_id=5).inject("error", 0x23)
+
+
+@pytest.mark.parametrize("seconds", [-1, "1s", "1", None, float("nan"), float("inf")])
+def test_a_bench_runs_for_some_seconds_only(seconds):
+    with pytest.raises(UserError, match=r"such as run\(0.5\)"):
+        Bench("topcon", node_id=5).run(seconds)
+
+
+def test_a_node_id_that_is_none_is_one_line_without_the_usage(capsys):
+    with pytest.raises(SystemExit):
+        main(["run", "topcon", "-n", "abc"])
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.endswith("a node id is a whole number of 1..127, such as 5 or 0x05, not 'abc'")
+
+
+@pytest.mark.skipif(vcan.is_up(), reason="where there is a vcan0 the bus opens")
+def test_a_machine_without_vcan0_is_told_what_brings_one(capsys):
+    assert main(["run", "topcon", "-i", "socketcan", "-c", "vcan0"]) == 2
+    assert "`canopen-twin vcan -- COMMAND`" in capsys.readouterr().err
+
+
+def test_why_tells_what_an_object_takes(capsys):
+    assert main(["why", "topcon", "0x2014"]) == 0
+    assert "no command 65535: 0 stops, 1 runs, 2 resets" in capsys.readouterr().out
+    assert main(["why", "charger", "0x2002:08"]) == 0
+    assert "65535 is above 30000" in capsys.readouterr().out

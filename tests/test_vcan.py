@@ -68,9 +68,12 @@ def test_what_is_missing_is_told_with_the_line_that_installs_it(monkeypatch):
 
 
 @boots
-def test_the_folder_to_keep_must_be_there(tmp_path):
-    with pytest.raises(UserError, match="nowhere is no folder"):
-        guest.run(["true"], limit=1.0, out=tmp_path / "nowhere")
+def test_the_folder_to_keep_is_made_where_its_parent_is(tmp_path):
+    kept = tmp_path / "kept"
+    assert guest.run(["sh", "-c", f"echo yes > {kept}/told"], limit=60.0, out=kept) == 0
+    assert (kept / "told").read_text("ascii") == "yes\n"
+    with pytest.raises(UserError, match=r"there is no folder: No such file or directory"):
+        guest.run(["true"], limit=1.0, out=tmp_path / "nowhere" / "there")
 
 
 def test_where_vcan0_is_up_the_command_just_runs(capfd):

@@ -1,6 +1,7 @@
 """A test bench: twins and a canopen master in one process, in simulated time, without a thread."""
 
 from collections.abc import Callable, Mapping, Sequence
+from math import inf
 from typing import Any, Self
 
 import canopen
@@ -144,7 +145,14 @@ class Bench(BenchTwin):
         return self._sent(start)
 
     def run(self, seconds: float) -> list[str]:
-        """Let simulated time pass; what the twins send meanwhile."""
+        """Let simulated time pass; what the twins send meanwhile.
+
+        Raises:
+            UserError: it is no number of seconds, or less than none.
+        """
+        if not isinstance(seconds, (int, float)) or not 0 <= seconds < inf:
+            told = "write seconds as a number" if isinstance(seconds, str) else "time only goes on"
+            raise UserError(f"run({seconds!r}): {told}, such as run(0.5)")
         start = len(self.trace)
         self.segment.advance(seconds)
         return self._sent(start)

@@ -64,12 +64,15 @@ class Twin(ABC):
         values: Mapping[str, object] = self.ask("values", wanted)
         return values
 
-    def inject(self, name: str, **parameters: Any) -> None:
+    def inject(self, name: str, *values: object, **parameters: Any) -> None:
         """Let something go wrong.
 
         Raises:
-            UserError: no such fault or parameter.
+            UserError: no such fault or parameter, or a value without the name of its parameter.
         """
+        if values:
+            told = f"inject({name!r}, NAME={values[0]!r})"
+            raise UserError(f"parameters have names, say which: {told}; `canopen-twin faults`")
         self.order("inject", name, parameters)
 
     def clear(self, name: str | None = None) -> None:

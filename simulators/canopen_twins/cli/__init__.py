@@ -15,7 +15,14 @@ from functools import partial
 from importlib import import_module
 from importlib.metadata import version
 
-from canopen_twins.cli.command import INTERRUPTED, NO_READER, WRONG_INPUT, Parser, add_verbosity
+from canopen_twins.cli.command import (
+    INTERRUPTED,
+    NO_READER,
+    WRONG_INPUT,
+    OneLineParser,
+    Parser,
+    add_verbosity,
+)
 from canopen_twins.errors import UserError
 
 __all__ = ["main", "parser"]
@@ -93,7 +100,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def parser() -> argparse.ArgumentParser:
     """Everything that can be said; `command` is what was chosen."""
     text = "Digital twins of CANopen slaves."
-    top = argparse.ArgumentParser(prog=PROGRAM, description=text, epilog=FIRST)
+    top = OneLineParser(prog=PROGRAM, description=text, epilog=FIRST)
     top.add_argument("--version", action=Version, nargs=0, help="print the version")
     add_verbosity(top, default=0)
     commands = top.add_subparsers(metavar="COMMAND", required=True, parser_class=Parser)

@@ -3,6 +3,7 @@
 import argparse
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
+from errno import EAFNOSUPPORT, ENODEV
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -20,6 +21,9 @@ from canopen_twins.live.master_process import BusPlace
 
 DEFAULT_BUS = "vcan0"  # on a hub
 
+NO_CAN = (EAFNOSUPPORT, ENODEV)
+"""Of a machine without CAN sockets, or without such an interface."""
+BRINGS_ONE = "`canopen-twin vcan -- COMMAND` brings a vcan0 for a command, --hub needs none"
 VIRTUAL: Mapping[str, Callable[[Mapping[str, Any]], bool]] = {
     "virtual": lambda _: True,
     "udp_multicast": lambda _: True,
@@ -113,8 +117,18 @@ def _open(options: argparse.Namespace) -> can.BusABC:
     try:
         return create_bus_from_namespace(options)
     except argparse.ArgumentError as failure:
-        hint = "" if "interface" in options else " (say --interface and --channel, or --hub)"
-        raise can.CanInitializationError(f"{failure.__cause__}{hint}") from failure
+        raise can.CanInitializationError(_told(failure.__cause__, options)) from failure
+
+
+def _told(cause: BaseException | None, options: argparse.Namespace) -> str:
+    """Why a bus cannot be opened, and what to do about it."""
+    if isinstance(cause, OSError) and cause.errno in NO_CAN:
+        return f"{cause.strerror} ({BRINGS_ONE})"
+    if "interface" in options:
+        return str(cause)
+    channel = str(getattr(options, "channel", ""))
+    interface = "-i socketcan" if channel.startswith(("can", "vcan")) else "--interface"
+    return f"{cause} (say {interface} and --channel, or --hub)"
 
 
 def _join(address: HubAddress, name: str) -> can.BusABC:

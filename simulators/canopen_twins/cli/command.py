@@ -5,9 +5,8 @@ import os
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import partial
 from types import FrameType
-from typing import Any
+from typing import Any, NoReturn
 
 from canopen_twins.errors import UserError
 from canopen_twins.live.parent import Parent
@@ -28,7 +27,15 @@ SCENARIO = "a file, or the name of one that is shipped"
 PLOT = "draw the run: .png, .svg or .html (needs the extra `plot`)"
 
 
-class Parser(argparse.ArgumentParser):
+class OneLineParser(argparse.ArgumentParser):
+    """What is wrong is told in one line; how it is used tells --help."""
+
+    def error(self, message: str) -> NoReturn:
+        """End with that line."""
+        self.exit(WRONG_INPUT, f"{self.prog}: {message}\n")
+
+
+class Parser(OneLineParser):
     """The parser of a command, which is empty until the command is chosen."""
 
     complete: "Callable[[Parser], None] | None" = None
@@ -54,12 +61,23 @@ def add_verbosity(parser: argparse.ArgumentParser, default: Any = argparse.SUPPR
     parser.add_argument("-v", "--verbose", action="count", default=default, help=text)
 
 
+def node_id(text: str) -> int:
+    """A node id as it is written on a command line; whether a device can have it says the device.
+
+    Raises:
+        argparse.ArgumentTypeError: it is no whole number.
+    """
+    try:
+        return int(text, 0)
+    except ValueError:
+        told = f"a node id is a whole number of 1..127, such as 5 or 0x05, not {text!r}"
+        raise argparse.ArgumentTypeError(told) from None
+
+
 def add_device(parser: Parser, text: str = DEVICE, nargs: str | None = None) -> None:
     """A device, and how it is delivered."""
     parser.add_argument("device", metavar="DEVICE", nargs=nargs, help=text)
-    parser.add_argument(
-        "-n", "--node-id", type=partial(int, base=0), metavar="ID", help="1..127, or as 0x05"
-    )
+    parser.add_argument("-n", "--node-id", type=node_id, metavar="ID", help="1..127, or as 0x05")
     parser.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", help="see `settings DEVICE`"
     )

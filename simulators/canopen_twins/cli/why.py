@@ -2,10 +2,11 @@
 
 import argparse
 import struct
+from collections.abc import Iterator
 
 from canopen import SdoAbortedError, SdoCommunicationError
 from canopen.objectdictionary import ODVariable
-from canopen.objectdictionary.datatypes import BOOLEAN, FLOAT_TYPES, INTEGER_TYPES
+from canopen.objectdictionary.datatypes import BOOLEAN, FLOAT_TYPES, INTEGER_TYPES, SIGNED_TYPES
 
 from canopen_twins import devices
 from canopen_twins.bench.bench import Bench
@@ -17,6 +18,7 @@ from canopen_twins.files.convert import convert
 from canopen_twins.scenario.targets import Targets
 from canopen_twins.slave.object import TYPES, Address, Entry
 
+REFUSED = "refused with"
 KINDS = {
     **dict.fromkeys(INTEGER_TYPES, int),
     **dict.fromkeys(FLOAT_TYPES, float),
@@ -48,6 +50,8 @@ def why(options: argparse.Namespace) -> int:
             if moment == "in operational":
                 bench.send(f"000#01{bench.twin.node.node_id:02X}")  # NMT: start
             lines.append(f"{value} {moment}: {_answer(bench, target.address, value.strip())}")
+    elif target.variable.writable and target.variable.data_type in INTEGER_TYPES:
+        lines += _refusals(_booted(options), target.address)
     print("\n".join(lines))
     return OK
 
@@ -79,6 +83,22 @@ def _booted(options: argparse.Namespace) -> Bench:
     return bench
 
 
+def _refusals(bench: Bench, address: Address) -> Iterator[str]:
+    """What the device says of the ends of the type that the limits let through: what it takes."""
+    slave = bench.twin.node.slave
+    assert slave is not None  # it has booted
+    entry = slave.entry(*address)
+    bits = 8 * (entry.size or 0)
+    low, high = entry.variable.min, entry.variable.max
+    signed = entry.variable.data_type in SIGNED_TYPES
+    ends = [-1 << bits - 1] if signed and low is None else []
+    ends += [(1 << bits - signed) - 1] if high is None else []
+    for end in ends:
+        answer = _answer(bench, address, str(end))
+        if answer.startswith(REFUSED):
+            yield f"takes    not all: {end} is {answer}"
+
+
 def _answer(bench: Bench, address: Address, text: str) -> str:
     node = bench.twin.node
     assert node.slave is not None  # it has booted
@@ -89,7 +109,7 @@ def _answer(bench: Bench, address: Address, text: str) -> str:
     except SdoAbortedError as abort:
         notes = node.wire.events.refusals
         reason = notes[-1].words if notes else "no reason is known"
-        return f"refused with {abort.code:#010x}: {reason}"
+        return f"{REFUSED} {abort.code:#010x}: {reason}"
     except SdoCommunicationError:
         return f"not answered, the node is {node.state.lower()}"
     obstacle = entry.obstacle(value) if entry.obstacle and isinstance(value, int) else ""

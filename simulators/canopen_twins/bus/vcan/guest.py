@@ -74,17 +74,24 @@ def run(command: Sequence[str], limit: float, out: Path | None = None) -> int:
     """Run a command in a guest and return its exit status, 124 if `limit` seconds are too short.
 
     Raises:
-        UserError: something the guest needs is missing, `out` is no folder, or the guest did not
-            come up.
+        UserError: something the guest needs is missing, `out` can be no folder, or the guest did
+            not come up.
     """
     _check_host()
-    if out is not None and not out.is_dir():
-        raise UserError(f"{out} is no folder")
+    if out is not None:
+        _make(out)
     memory = _folder_for_memory()
     with tempfile.TemporaryDirectory(prefix="vcan-") as folder:
         work = Path(folder)
         _lay_out(work, command, out)
         return _status(work) if _boot(work, memory, limit) else process.out_of_time(limit)
+
+
+def _make(out: Path) -> None:
+    try:
+        out.mkdir(exist_ok=True)
+    except OSError as failure:
+        raise UserError(f"{out} is no folder: {failure.strerror}") from failure
 
 
 def _check_host() -> None:
