@@ -1,14 +1,22 @@
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
 from .served import Port, served
 
+BATTERY = str(Path(__file__).parents[2] / "docs" / "examples" / "battery" / "battery.device.yaml")
+
 
 @pytest.fixture(scope="module")
 def port() -> Iterator[Port]:
-    """The port of a TopCon and a gateway, the same for all tests of a file."""
-    with served({"topcon": ("topcon", {"node_id": 5}), "engine": ("gateway", {})}) as port:
+    """The port of a TopCon, a gateway and a battery, the same for all tests of a file."""
+    nodes = {
+        "topcon": ("topcon", {"node_id": 5}),
+        "engine": ("gateway", {}),
+        "battery": (BATTERY, {"node_id": 9}),
+    }
+    with served(nodes) as port:
         yield port
 
 

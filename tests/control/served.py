@@ -10,7 +10,9 @@ from uuid import uuid4
 import can
 
 from canopen_twins import devices
+from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.hub.protocol import HubAddress
+from canopen_twins.bus.python_can import message_of
 from canopen_twins.bus.segment import Segment
 from canopen_twins.faults import connect
 from canopen_twins.live.control import control_port
@@ -46,6 +48,31 @@ class Port:
 
     def get(self, path, **headers):
         return self("GET", path, **headers)
+
+    @contextmanager
+    def events(self, query=""):
+        """What comes as server-sent events, each as its kind and its content."""
+        connection = HTTPConnection(self.address.host, self.address.port, timeout=PATIENCE)
+        try:
+            connection.request("GET", f"/events{query}")
+            answer = connection.getresponse()
+            assert answer.status == 200, answer.read()
+            assert answer.readline() == b": these are the events\n"
+            yield map(json.loads, _data(answer))
+        finally:
+            connection.close()
+
+    @contextmanager
+    def master(self):
+        """Somebody else on the bus, who sends frames in the notation of cansend."""
+        with can.Bus(**self.bus) as bus:
+            yield lambda text: bus.send(message_of(Frame.parse(text)))
+
+
+def _data(lines):
+    for line in lines:
+        if line.startswith(b"data: "):
+            yield line[6:]
 
 
 @contextmanager

@@ -6,7 +6,8 @@ import pytest
 def test_nodes_are_told_in_their_order(port):
     status, nodes = port.get("/nodes")
     assert status == 200
-    assert [(node["name"], node["node_id"]) for node in nodes] == [("topcon", 5), ("engine", 1)]
+    ids = [(node["name"], node["node_id"]) for node in nodes]
+    assert ids == [("topcon", 5), ("engine", 1), ("battery", 9)]
     assert nodes[0]["state"] == "PRE-OPERATIONAL"
     assert nodes[0]["powered"] is True
 
@@ -59,6 +60,9 @@ def test_the_supply_goes_and_comes_back_with_another_node_id(port):
         ("POST", "/nodes/topcon/faults/interlock", None, 404, "did you mean 'interlock_open'?"),
         ("DELETE", "/nodes/topcon/faults/interlock", None, 404, "did you mean 'interlock_open'?"),
         ("POST", "/nodes/topcon/faults/heartbeat_late", {"second": 1}, 422, "mean 'seconds'?"),
+        ("POST", "/nodes/topcon/faults/heartbeat_late", {"name": 1}, 422, "unknown parameter of"),
+        ("POST", "/nodes/topcon/faults/heartbeat_late", {"self": 1}, 422, "unknown parameter of"),
+        ("PATCH", "/nodes/topcon/settings", {"self": 1}, 422, "unknown setting 'self'"),
         ("POST", "/nodes/topcon/faults/heartbeat_late", {"seconds": "x"}, 422, "wants a number"),
         ("POST", "/nodes/topcon/faults/heartbeat_late", {"seconds": [1]}, 422, "body.seconds"),
         ("POST", "/nodes/topcon/faults/heartbeat_late", [1], 422, "body: Input should be"),

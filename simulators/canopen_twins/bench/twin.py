@@ -1,8 +1,9 @@
 """The handle on one running twin, the same on a bench, on a bus in real time and from afar."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import asdict
 from itertools import chain
 from typing import Any
 
@@ -63,6 +64,23 @@ class Twin(ABC):
         """
         values: Mapping[str, object] = self.ask("values", wanted)
         return values
+
+    @property
+    def powered(self) -> bool:
+        """Whether its supply is on."""
+        return bool(self.ask("powered"))
+
+    @property
+    def settings(self) -> Mapping[str, object]:
+        """The settings in force."""
+        settings: Mapping[str, object] = self.ask("settings")
+        return settings
+
+    @property
+    def active_faults(self) -> Mapping[str, Mapping[str, Any]]:
+        """The faults that are there, each with its parameters."""
+        active: Mapping[str, Mapping[str, Any]] = self.ask("active_faults")
+        return active
 
     def inject(self, name: str, *values: object, **parameters: Any) -> None:
         """Let something go wrong.
@@ -130,7 +148,8 @@ def _power_on(node: Node, settings: Mapping[str, object]) -> None:
     node.power_on()
 
 
-def _values(node: Node, wanted: Sequence[str]) -> dict[str, object]:
+def each_value(node: Node, wanted: Sequence[str]) -> Iterator[tuple[str, object]]:
+    """What `Twin.values` gives, one by one."""
     node.look()
     objects = {} if node.slave is None else node.slave.entries
     readable = [
@@ -138,14 +157,12 @@ def _values(node: Node, wanted: Sequence[str]) -> dict[str, object]:
     ]
     names = Names((entry.variable.qualname, entry.address, entry) for entry in readable)
     addresses = {address_text(entry.address): entry for entry in readable}
-    values: dict[str, object] = {}
     for name in wanted or [_told(entry, names) for entry in readable]:
         if name not in names and name not in addresses:
             raise unknown("object", name, names)
         entry = addresses.get(name) or names[name]
         with suppress(Rejected):  # a master would be refused, too
-            values[name] = entry.unpack(entry.read())
-    return values
+            yield name, entry.unpack(entry.read())
 
 
 def _told(entry: Entry, names: Names[Entry]) -> str:
@@ -158,7 +175,10 @@ QUESTIONS: Mapping[str, Callable[..., Any]] = {
     "node_id": lambda node: node.node_id,
     "state": lambda node: str(node.state),
     "report": lambda node: dict(node.look().report),
-    "values": _values,
+    "values": lambda node, wanted: dict(each_value(node, wanted)),
+    "settings": lambda node: asdict(node.device.settings),
+    "active_faults": lambda node: dict(node.faults.active),
+    "powered": lambda node: node.powered,
 }
 """What is asked of a node, each with the node first."""
 

@@ -11,6 +11,7 @@ from canopen_twins.cli.command import Parser
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
 from canopen_twins.live.orders import Orders
+from canopen_twins.scenario import Player
 
 
 def add_control(parser: Parser) -> None:
@@ -30,7 +31,9 @@ class Control(NamedTuple):
 
 
 @contextmanager
-def controlled(options: argparse.Namespace, segment: Segment[Node]) -> Iterator[Control]:
+def controlled(
+    options: argparse.Namespace, segment: Segment[Node], player: Player | None
+) -> Iterator[Control]:
     """The port of the options, if they want one.
 
     Raises:
@@ -45,5 +48,5 @@ def controlled(options: argparse.Namespace, segment: Segment[Node]) -> Iterator[
     from canopen_twins.live.control import control_port  # noqa: PLC0415 - most runs need none
 
     address = HubAddress.parse(options.control, port=0)
-    with control_port(segment, orders, address, options.control_token) as found:
+    with control_port(segment, orders, address, options.control_token, player) as found:
         yield Control(orders, {"control": f"http://{found}"})

@@ -30,7 +30,7 @@ def faults(options: argparse.Namespace) -> int:
     device = devices.create(options.device) if options.device else Device()
     known = connect(Segment(), device, "").faults.known
     if options.json:
-        print(json.dumps({name: _fault_entry(fault) for name, fault in known.items()}, indent=2))
+        print(json.dumps({name: fault.declaration for name, fault in known.items()}, indent=2))
         return OK
     for level, group in groupby(known.items(), key=lambda item: item[1].level):
         print(HEADINGS.get(level, f"Of every device, {level} level:"), end="\n\n")
@@ -63,15 +63,3 @@ def _word(parameter: str, told: Parameter) -> str:
     if parameter not in OF_THE_PROTOCOL or not isinstance(told.default, int):
         return str(told.default)
     return f"0x{told.default:08X}" if told.default > LONGEST_WORD else f"0x{told.default:X}"
-
-
-def _fault_entry(fault: Fault) -> Mapping[str, object]:
-    return {
-        "level": fault.level,
-        "text": fault.text,
-        "sees": fault.sees,
-        "parameters": {
-            name: {"text": told.text, "default": told.default}
-            for name, told in fault.parameters.items()
-        },
-    }

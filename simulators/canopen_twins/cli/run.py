@@ -99,7 +99,7 @@ def _run(options: argparse.Namespace, signals: Signals) -> int:
     with (
         _off_in_the_end(segment),
         bus_of_run(options) as bus,
-        controlled(options, segment) as control,
+        controlled(options, segment, player) as control,
     ):
         master = MasterProcess(options.words, bus.place) if options.words else None
         with recording(options, "run", scenario, participants) as observers:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from math import inf
+from math import inf, isfinite
 from typing import Any
 
 from canopen_twins.errors import UserError, unknown
@@ -57,6 +57,13 @@ OTHER_WORDS: Mapping[str, Sequence[str]] = {
     "watchdog": ("reset_loop",),
 }
 """What the field says for faults that are called otherwise here, best first."""
+KINDS: Mapping[type, str] = {
+    int: "integer",
+    float: "number",
+    str: "text",
+    object: "number or text",
+}
+"""What a parameter is, in words."""
 
 
 @dataclass(frozen=True)
@@ -92,6 +99,30 @@ class Fault:
     """What a master should see of it, if the text does not say so."""
     over: Callable[[], bool] = lambda: False
 
+    @property
+    def declaration(self) -> Mapping[str, object]:
+        """What programs are told of it, for a form.
+
+        A parameter without a default has to be given; None is for an end that a number has not.
+        """
+        parameters = {
+            name: {
+                "text": told.text,
+                "type": KINDS[told.kind],
+                "default": told.default,
+                "low": told.low if isfinite(told.low) else None,
+                "high": told.high if isfinite(told.high) else None,
+            }
+            for name, told in self.parameters.items()
+        }
+        return {
+            "level": self.level,
+            "text": self.text,
+            "sees": self.sees,
+            "lasting": self.clear is not None,
+            "parameters": parameters,
+        }
+
 
 class Faults:
     """The faults of one device and those around it, and which of them are active.
@@ -113,13 +144,13 @@ class Faults:
         injected = self._injected.items()
         return {name: values for name, values in injected if not self.known[name].over()}
 
-    def inject(self, name: str, **given: Any) -> None:
+    def inject(self, name: str, /, **given: Any) -> None:
         """Let something go wrong; a fault that is active already is replaced.
 
         Raises:
             UserError: no such fault, an unknown or missing parameter, or a wrong value.
         """
-        fault = self._find(name)
+        fault = self.find(name)
         values = arguments(name, fault, given)
         self.clear(name)
         fault.inject(**values)
@@ -133,7 +164,7 @@ class Faults:
             UserError: no such fault.
         """
         for each in [name] if name is not None else list(self._injected):
-            fault = self._find(each)
+            fault = self.find(each)
             values = self._injected.pop(each, None)
             if values is not None and fault.clear is not None:
                 fault.clear(**values)
@@ -160,7 +191,8 @@ class Faults:
         chosen = [f"{key}={value}" for key, value in values.items() if value != told[key].default]
         return f"{name}({', '.join(chosen)})"
 
-    def _find(self, name: str) -> Fault:
+    def find(self, name: str) -> Fault:
+        """What is called so; raises `UserError` if nothing is."""
         if name not in self.known:
             raise unknown("fault", name, self.known, OTHER_WORDS)
         return self.known[name]

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import Field, dataclass, field, fields, replace
-from math import inf
+from math import inf, isfinite
 from types import UnionType
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
@@ -10,6 +10,8 @@ from canopen_twins.errors import UserError, unknown
 from canopen_twins.files.convert import convert
 
 Settings = TypeVar("Settings")
+
+KINDS: Mapping[type, str] = {bool: "boolean", int: "integer", float: "number", str: "text"}
 
 
 def setting(  # noqa: PLR0913 - each is a word about one setting
@@ -59,6 +61,30 @@ def about(entry: "Field[Any]") -> About:
     """What is told of a field."""
     told: About = entry.metadata["about"]
     return told
+
+
+def declaration(entry: "Field[Any]", settings: type) -> Mapping[str, object]:
+    """What programs are told of a field of a dataclass of settings, for a form.
+
+    The type is one of boolean, integer, number, text and choice; None is for an end that there is
+    not, and for `none` where it is optional.
+    """
+    told, hint = about(entry), get_type_hints(settings)[entry.name]
+    options = get_args(hint)
+    choices = list(options) if get_origin(hint) is Literal else []
+    optional = isinstance(hint, UnionType)
+    kind = next(each for each in options if each is not type(None)) if optional else hint
+    return {
+        "text": told.text,
+        "type": "choice" if choices else KINDS[kind],
+        "choices": choices,
+        "optional": optional,
+        "unit": told.unit,
+        "low": told.low if isfinite(told.low) else None,
+        "high": told.high if isfinite(told.high) else None,
+        "assumed": told.assumed,
+        "live": told.live,
+    }
 
 
 def changed(settings: Settings, given: Mapping[str, object], *, live: bool = False) -> Settings:

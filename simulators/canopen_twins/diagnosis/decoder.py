@@ -37,6 +37,8 @@ class Decoder:
 
     def __init__(self, nodes: Iterable[Node]) -> None:
         self._nodes = list(nodes)
+        self._known: list[tuple[Slave, int]] = []  # whose PDOs have been looked up, and when
+        self._pdos: dict[int, tuple[Slave, type[Pdo], int]] = {}
         self._services: Mapping[Cob, Words] = {
             Cob.NMT: _nmt,
             Cob.SYNC: lambda *_: "SYNC",
@@ -50,9 +52,8 @@ class Decoder:
         """What a frame means, empty if nobody knows."""
         if frame.extended:
             return ""
-        for slave, kind, number in self._pdos():
-            if kind.identifier(slave, number) == frame.can_id:
-                return _pdo(frame, slave, kind, number)
+        if (pdo := self._pdo(frame.can_id)) is not None:
+            return _pdo(frame, *pdo)
         known = classify(frame.can_id)
         if known is None or frame.remote:
             return ""
@@ -62,11 +63,18 @@ class Decoder:
     def _slave(self, node_id: int) -> Slave | None:
         return next((node.slave for node in self._nodes if node.node_id == node_id), None)
 
-    def _pdos(self) -> Iterator[tuple[Slave, type[Pdo], int]]:
-        for slave in (node.slave for node in self._nodes):
-            if slave is not None:
+    def _pdo(self, can_id: int) -> tuple[Slave, type[Pdo], int] | None:
+        """The first PDO with an identifier; looked up anew if a communication area has changed."""
+        slaves = [node.slave for node in self._nodes]
+        known = [(slave, slave.changes) for slave in slaves if slave is not None]
+        if known != self._known:
+            self._known, self._pdos = known, {}
+            for slave, _ in known:
                 for kind in (Tpdo, Rpdo):
-                    yield from ((slave, kind, number) for number in kind.numbers(slave))
+                    for number in kind.numbers(slave):
+                        if (identifier := kind.identifier(slave, number)) is not None:
+                            self._pdos.setdefault(identifier, (slave, kind, number))
+        return self._pdos.get(can_id)
 
     def _emcy(self, frame: Frame, slave: Slave | None) -> str:
         told = emcy_of(frame.data)

@@ -6,14 +6,18 @@ somebody asks; what does not, the event log of its wire has kept.
 
 from collections.abc import Sequence
 
+from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.identifiers import sdo_request
+from canopen_twins.bus.sdo import is_answer
 from canopen_twins.bus.segment import Record
 from canopen_twins.device.node import Node
 from canopen_twins.diagnosis.expected import Expected
 from canopen_twins.diagnosis.frames import commands, emergencies, pdos, requests
 from canopen_twins.diagnosis.sections import Sections, sections
-from canopen_twins.diagnosis.view import View
+from canopen_twins.diagnosis.view import Line, View
+from canopen_twins.errors import UserError
 
-__all__ = ["TOLD", "Sections", "sections", "why"]
+__all__ = ["TOLD", "Sections", "sections", "why", "why_frame"]
 
 TOLD = 6  # lines about frames
 
@@ -34,16 +38,44 @@ def why(
             `diagnosis.expected`. Nothing is known of it while the node is silent.
     """
     view = View(node, records, since)
-    explain = (requests, pdos, commands, emergencies)
-    places = {id(record): place for place, record in enumerate(records)}
-    lines = [line for lines in explain for line in lines(view)]
-    lines.sort(key=lambda line: places[id(line.record)])
+    lines = _lines(view)
     told = [line.text for line in lines[-TOLD:]]
     if silent := _silence(node, view):
         told.append(silent)
     if expected is not None and node.slave is not None:
         told += expected.reasons(view, node.slave, "\n".join(told))
     return told
+
+
+def why_frame(node: Node, records: Sequence[Record], frame: Frame) -> list[str]:
+    """What was out of the ordinary with a frame; of an SDO answer also with what it answers.
+
+    Args:
+        node: The one that is asked about, as it is now.
+        records: The last frames of the bus; the last one like this is meant.
+        frame: As it was on the bus.
+
+    Raises:
+        UserError: there is no such frame among the records.
+    """
+    places = [place for place, record in enumerate(records) if record.frame == frame]
+    if not places:
+        raise UserError(f"{frame} is not among the last {len(records)} frames")
+    view = View(node, records[: places[-1] + 1])
+    about = [records[places[-1]]]
+    if is_answer(frame, view.node_id):
+        request = sdo_request(view.node_id)
+        about += [each for each in view.records if each.frame.can_id == request][-1:]
+    return [line.text for line in _lines(view) if any(line.record is each for each in about)]
+
+
+def _lines(view: View) -> list[Line]:
+    """All that was out of the ordinary, in the order of the frames it is about."""
+    explain = (requests, pdos, commands, emergencies)
+    places = {id(record): place for place, record in enumerate(view.records)}
+    lines = [line for lines in explain for line in lines(view)]
+    lines.sort(key=lambda line: places[id(line.record)])
+    return lines
 
 
 def _silence(node: Node, view: View) -> str:

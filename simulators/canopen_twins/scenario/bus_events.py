@@ -74,19 +74,25 @@ class BusEvents:
         self._moment = clock.ticks
         self._present: list[BusEvent] = []
         self._changes: list[Changed] = []
-        self._states: set[str] = set()  # the nodes whose states are followed
+        self._states: dict[str, Callable[[State], None]] = {}  # who follows them, by node
         self._writes: dict[str, MasterWrites] = {}
 
     def follow_states(self, name: str) -> None:
         """NMT states of a node are events from now on."""
         if name not in self._states:
-            self._states.add(name)
             node = self.nodes[name]
-            node.listeners.append(partial(self._on_state, node))
+            self._states[name] = partial(self._on_state, node)
+            node.listeners.append(self._states[name])
 
     def follow_writes(self, name: str) -> None:
         """What the master writes to a node is an event from now on."""
         self._writes.setdefault(name, MasterWrites(self.nodes[name]))
+
+    def leave(self) -> None:
+        """Follow no states any more."""
+        for name, listener in self._states.items():
+            self.nodes[name].listeners.remove(listener)
+        self._states.clear()
 
     def listen(self, listener: Listener) -> None:
         """Tell somebody every event from now on."""

@@ -324,6 +324,7 @@ class Player:
         self._bus = BusEvents(self._nodes, segment.clock)
         self._log = RunLog(self._nodes, segment.clock)
         self.listeners = self._log.listeners
+        self._listening: dict[str, Callable[[State], None]] = {}
         faults = InjectedFaults(self._nodes, self._log)
         shared = Resources(self._bus, self._master, faults, self._log)
         duration = LONGEST if until_told else scenario.duration
@@ -335,7 +336,8 @@ class Player:
         self._log.begin()
         self._segment.listeners.append(self._hear)
         for name, node in self._nodes.items():
-            node.listeners.append(partial(self._tell_state, name))
+            self._listening[name] = partial(self._tell_state, name)
+            node.listeners.append(self._listening[name])
         for name, matcher in _watched(self.scenario):
             if isinstance(matcher, Entered):
                 self._bus.follow_states(name)
@@ -345,6 +347,17 @@ class Player:
         self._limit = self._clock.at_tick(limit, self._steps.expire)
         self._leave_out_bit_rate()
         self._steps.start()
+
+    def stop(self) -> None:
+        """End it before its time: what is left is an ERROR, and the cleanup begins."""
+        self._steps.expire()
+
+    def leave(self) -> None:
+        """It is over, while the bus goes on: hear no more."""
+        self._segment.listeners.remove(self._hear)
+        for name, listener in self._listening.items():
+            self._nodes[name].listeners.remove(listener)
+        self._bus.leave()
 
     @property
     def done(self) -> bool:

@@ -129,12 +129,13 @@ def as_json(verdicts: Sequence[Verdict]) -> str:
         {
             "version": VERSION,
             "verdict": max((each.kind for each in verdicts), key=list(Kind).index).value,
-            "scenarios": [_scenario(verdict) for verdict in verdicts],
+            "scenarios": [as_object(verdict) for verdict in verdicts],
         }
     )
 
 
-def _scenario(verdict: Verdict) -> Mapping[str, object]:
+def as_object(verdict: Verdict) -> Mapping[str, object]:
+    """One scenario of the JSON."""
     return {
         "file": verdict.file,
         "name": verdict.name,

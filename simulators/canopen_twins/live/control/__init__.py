@@ -1,7 +1,9 @@
 """The control port of running twins: HTTP and JSON beside the bus, for any language.
 
-    schema.py   what is said                     view.py    a node as it is, in these words
-    app.py      the paths                        guard.py   who may use them
+    schema.py   what is said                     view.py       a node as it is, in these words
+    app.py      the paths                        guard.py      who may use them
+    desk.py     from thread to thread            scenarios.py  the one that is played
+    events.py   what happens on the bus          stream.py     to whoever watches
 
 Needs the extra `control`. What is asked is done by the thread of the twins (`live.orders`); HTTP is
 spoken by a thread of its own.
@@ -17,13 +19,18 @@ from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
 from canopen_twins.live.orders import Orders
+from canopen_twins.scenario import Player
 
 MOST_CONNECTIONS = 64
 
 
 @contextmanager
 def control_port(
-    segment: Segment[Node], orders: Orders, address: HubAddress, token: str = ""
+    segment: Segment[Node],
+    orders: Orders,
+    address: HubAddress,
+    token: str = "",
+    player: Player | None = None,
 ) -> Iterator[HubAddress]:
     """Speaks HTTP at an address until the end, by a thread of its own.
 
@@ -32,6 +39,7 @@ def control_port(
         orders: Where its thread looks for what it is asked.
         address: Port 0 is a free one.
         token: What every request has to bring; may be empty on this machine only.
+        player: That of the run, if it plays a scenario.
 
     Yields:
         Where it is.
@@ -44,14 +52,16 @@ def control_port(
     try:
         import uvicorn  # noqa: PLC0415 - an extra, and half a second
 
-        from canopen_twins.live.control.app import Desk, make_app  # noqa: PLC0415
+        from canopen_twins.live.control.app import make_app  # noqa: PLC0415
+        from canopen_twins.live.control.desk import Desk  # noqa: PLC0415
         from canopen_twins.live.control.guard import Guard  # noqa: PLC0415
     except ModuleNotFoundError as missing:
         hint = "pip install 'canopen-twins[control]'"
         raise UserError(f"--control needs {missing.name}: {hint}") from missing
     listening = _listen(address)
+    desk = Desk(segment, orders, player)
     config = uvicorn.Config(
-        Guard(make_app(Desk(segment, orders)), token),
+        Guard(make_app(desk), token),
         lifespan="off",
         ws="none",
         http="h11",
@@ -68,6 +78,7 @@ def control_port(
     try:
         yield HubAddress(*listening.getsockname()[:2])
     finally:
+        desk.streams.closing = True
         orders.close()
         server.should_exit = True
         thread.join()

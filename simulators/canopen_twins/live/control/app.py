@@ -2,33 +2,38 @@
 
 import asyncio
 import json
-from collections.abc import Callable
 from importlib.metadata import version
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any
 
-from fastapi import Body, FastAPI, HTTPException, Request
+from fastapi import Body, FastAPI, HTTPException, Query, Request
 from fastapi.exceptions import RequestValidationError
 from pydantic import BaseModel, Field
 from starlette.responses import JSONResponse, Response
 
-from canopen_twins.bench.twin import carry_out
-from canopen_twins.bus.segment import Segment
-from canopen_twins.device.node import Node
+from canopen_twins.bench.twin import each_value
+from canopen_twins.bus.frame import Frame
+from canopen_twins.diagnosis.expected import ExpectedValues
+from canopen_twins.diagnosis.why import why, why_frame
 from canopen_twins.errors import UserError, unknown
-from canopen_twins.live.control.schema import Done, NodeName, NodeState, Refusal, Scalar
-from canopen_twins.live.control.view import node_name, node_state
-from canopen_twins.live.orders import Orders
+from canopen_twins.files.shipped import scenario_file, scenarios
+from canopen_twins.live.control import schema, view
+from canopen_twins.live.control.desk import Desk
+from canopen_twins.live.control.events import KEPT, KINDS
+from canopen_twins.live.control.schema import Done, Scalar
+from canopen_twins.live.control.stream import EventStream
+from canopen_twins.scenario.started import read_text
+from canopen_twins.slave.dictionary import Objects
 
-PATIENCE = 10.0  # seconds for the twins to do what they are asked
 DESCRIPTION = "Hands on the running twins of a bus: what is done takes effect between two frames."
 REFUSALS: dict[int | str, dict[str, Any]] = {
-    404: {"model": Refusal, "description": "No such node or fault"},
-    422: {"model": Refusal, "description": "A wrong name or value, in one line"},
-    503: {"model": Refusal, "description": "The twins do not answer"},
+    404: {"model": schema.Refusal, "description": "No such node or fault"},
+    422: {"model": schema.Refusal, "description": "A wrong name or value, in one line"},
+    503: {"model": schema.Refusal, "description": "The twins do not answer, or too many watch"},
 }
+RECENT = 20  # frames that `why` looks at
 
-Answer = TypeVar("Answer")
 Given = Annotated[dict[str, Scalar], Body(default_factory=dict)]
+Names = Annotated[list[str], Query(default_factory=list)]
 
 
 class Power(BaseModel, extra="forbid", strict=True):
@@ -39,6 +44,13 @@ class Power(BaseModel, extra="forbid", strict=True):
     """Other settings to be switched on with."""
 
 
+class Start(BaseModel, extra="forbid", strict=True):
+    """A scenario: the name of one that is shipped, or with the text of a file."""
+
+    name: str = "scenario.yaml"
+    text: str | None = None
+
+
 class Json(Response):
     """What `schema` says, as it is: nothing walks through it a second time."""
 
@@ -47,53 +59,6 @@ class Json(Response):
     def render(self, content: Any) -> bytes:
         """Dataclasses are objects."""
         return json.dumps(content, default=vars).encode()
-
-
-class Desk:
-    """Asks the thread of the twins, and waits without holding the others up."""
-
-    def __init__(self, segment: Segment[Node], orders: Orders) -> None:
-        self.segment = segment
-        self.orders = orders
-        self.nodes = {node.wire.name: node for node in segment.nodes}
-
-    def node(self, name: str) -> Node:
-        """A node by its name or its node id; raises `HTTPException` with 404 if there is none."""
-        if name in self.nodes:
-            return self.nodes[name]
-        for node in self.nodes.values():
-            if name == str(node.node_id):
-                return node
-        raise _not_found("node", name, self.nodes)
-
-    async def ask(self, action: Callable[[], Answer]) -> Answer:
-        """What comes of an action.
-
-        Raises:
-            UserError: as the action does.
-            HTTPException: 503 if the twins have stopped.
-        """
-        waiting = asyncio.wrap_future(self.orders.put(action))
-        try:
-            return await asyncio.wait_for(waiting, PATIENCE)
-        except (TimeoutError, asyncio.CancelledError):
-            raise HTTPException(503, "the twins do not answer") from None
-
-    async def order(self, node: Node, word: str, *arguments: Any) -> Json:
-        """One of `ORDERS`, with the moment at which it took effect."""
-        return Json(Done(await self.ask(lambda: carry_out(self.segment, node, word, *arguments))))
-
-    async def fault(self, node: str, fault: str) -> Node:
-        """The node, if it has a fault of this name."""
-        found = self.node(node)
-        known = await self.ask(lambda: found.faults.known)
-        if fault not in known:
-            raise _not_found("fault", fault, known)
-        return found
-
-
-def _not_found(what: str, name: str, known: Any) -> HTTPException:
-    return HTTPException(404, str(unknown(what, name, known)))
 
 
 def make_app(desk: Desk) -> FastAPI:
@@ -108,7 +73,12 @@ def make_app(desk: Desk) -> FastAPI:
     )
     _add_errors(app)
     _add_orders(app, desk)
-    _add_nodes(app, desk)  # its paths would take those of the others for names
+    _add_parts(app, desk)
+    _add_why(app, desk)
+    _add_bus(app, desk)
+    _add_scenario(app, desk)
+    _add_nodes(app, desk)  # the last: its path would take those of the others for names
+    app.openapi()  # made once, before a twin has anything to answer
     return app
 
 
@@ -124,46 +94,147 @@ def _add_errors(app: FastAPI) -> None:
         return JSONResponse({"detail": f"{place}: {first['msg']}"}, 422)
 
 
-def _add_nodes(app: FastAPI, desk: Desk) -> None:
-    @app.get("/nodes", response_model=list[NodeName])
-    async def nodes() -> Any:
-        """The nodes there are, in the order in which they hear a frame."""
-        return Json(await desk.ask(lambda: [node_name(node) for node in desk.segment.nodes]))
-
-    @app.get("/nodes/{node:path}", response_model=NodeState)
-    async def state(node: str) -> Any:
-        """How a node is at this moment."""
-        found = desk.node(node)
-        return Json(await desk.ask(lambda: node_state(found)))
-
-
 def _add_orders(app: FastAPI, desk: Desk) -> None:
     @app.post("/nodes/{node:path}/faults/{fault}", response_model=Done)
     async def inject(node: str, fault: str, parameters: Given) -> Any:
         """Let something go wrong; a fault that is active already is replaced."""
-        return await desk.order(await desk.fault(node, fault), "inject", fault, parameters)
+        return Json(await desk.order(await desk.fault(node, fault), "inject", fault, parameters))
 
     @app.delete("/nodes/{node:path}/faults/{fault}", response_model=Done)
     async def clear(node: str, fault: str) -> Any:
         """Take one fault away."""
-        return await desk.order(await desk.fault(node, fault), "clear", fault)
+        return Json(await desk.order(await desk.fault(node, fault), "clear", fault))
 
     @app.delete("/nodes/{node:path}/faults", response_model=Done)
     async def clear_all(node: str) -> Any:
         """Take every fault away."""
-        return await desk.order(desk.node(node), "clear", None)
+        return Json(await desk.order(desk.node(node), "clear", None))
 
     @app.patch("/nodes/{node:path}/settings", response_model=Done)
     async def change(node: str, settings: Given) -> Any:
         """Change live settings; of a device that a file describes also what it measures."""
-        return await desk.order(desk.node(node), "set", settings)
+        return Json(await desk.order(desk.node(node), "set", settings))
 
     @app.put("/nodes/{node:path}/power", response_model=Done)
     async def power(node: str, power: Power) -> Any:
-        """Switch the supply on or off."""
+        """Switch the supply on, with other settings if any are given, or off."""
         found = desk.node(node)
         if power.on:
-            return await desk.order(found, "power_on", power.settings)
+            return Json(await desk.order(found, "power_on", power.settings))
         if power.settings:
             raise UserError("settings are taken over when the power comes, not when it goes")
-        return await desk.order(found, "power_off")
+        return Json(await desk.order(found, "power_off"))
+
+
+def _add_parts(app: FastAPI, desk: Desk) -> None:
+    @app.get("/nodes/{node:path}/faults", response_model=schema.Faults)
+    async def faults(node: str) -> Any:
+        """What can go wrong with a node, and what has."""
+        found = desk.node(node)
+        known, active = await desk.ask(lambda: (found.faults.known, view.active_faults(found)))
+        return Json(schema.Faults(view.known_faults(known), active))
+
+    @app.get("/nodes/{node:path}/settings", response_model=list[schema.Setting])
+    async def settings(node: str) -> Any:
+        """Every setting with its value and what it takes."""
+        return Json(view.node_settings(desk.node(node)))
+
+    @app.get("/nodes/{node:path}/values", response_model=dict[str, Any])
+    async def values(node: str, name: Names) -> Any:
+        """Entries of the dictionary by name or address, read without a frame; all of them if none
+        is named. What a master could not read is left out; bytes are told in hex."""
+        values = await desk.collect(each_value(desk.node(node), name))
+        return Json({name: view.plain(value) for name, value in values})
+
+    @app.get("/nodes/{node:path}/objects", response_model=list[schema.ObjectEntry])
+    async def objects(node: str) -> Any:
+        """The object dictionary in force; nothing while the node is silent."""
+        return Json(await desk.collect(view.objects(desk.node(node))))
+
+
+def _add_why(app: FastAPI, desk: Desk) -> None:
+    @app.get("/nodes/{node:path}/why", response_model=list[str])
+    async def reasons(node: str, frame: str | None = None, object: str | None = None) -> Any:
+        """Why a node answered as it did lately; or what was out of the ordinary with a frame, one
+        of the last 500, in the notation of cansend; or what keeps an object from its effect."""
+        found, records = desk.node(node), desk.events.records
+        if frame is not None:
+            told = Frame.parse(frame)
+            return Json(await desk.ask(lambda: why_frame(found, [*records], told)))
+        if object is None:
+            return Json(await desk.ask(lambda: why(found, [*records][-RECENT:])))
+        expected = ExpectedValues([_address(desk, node, object)])
+        return Json(await desk.ask(lambda: why(found, (), expected=expected)))
+
+
+def _address(desk: Desk, node: str, name: str) -> tuple[int, int]:
+    """Raises `UserError` if there is no such object."""
+    variable = Objects(desk.node(node).device.dictionary()).find(name)
+    return variable.index, variable.subindex
+
+
+def _add_bus(app: FastAPI, desk: Desk) -> None:
+    @app.get("/frames", response_model=list[schema.FrameEvent])
+    async def frames(last: Annotated[int, Query(ge=1, le=KEPT)] = 50) -> Any:
+        """The last frames of the bus, decoded."""
+        records = await desk.ask(lambda: [*desk.events.records][-last:])
+        return Json(await desk.collect(map(desk.events.words, records)))
+
+    @app.get("/events", response_model=schema.Event, response_class=EventStream)
+    async def events(kind: Names, node: Names) -> Any:
+        """Server-sent events, as they come: those of some kinds, and of some nodes, or all."""
+        for each in kind:
+            if each not in KINDS:
+                raise unknown("kind", each, KINDS)
+        names = {desk.node(each).wire.name for each in node}
+        if desk.streams.full:
+            raise HTTPException(503, "too many watch already")
+        return EventStream(
+            desk.streams.watch(
+                lambda event: (
+                    (not kind or event.kind in kind) and (not names or event.node in names)
+                )
+            )
+        )
+
+
+def _add_scenario(app: FastAPI, desk: Desk) -> None:
+    @app.post("/scenario", response_model=Done)
+    async def start(start: Start) -> Any:
+        """Start a scenario beside the master, one at a time."""
+        text = start.text if start.text is not None else _shipped(start.name)
+        nodes = desk.segment.nodes
+        scenario = await asyncio.to_thread(read_text, start.name, text, nodes)
+        moment = await desk.ask(lambda: desk.scenarios.start(scenario, text))
+        desk.look_after_scenario()
+        return Json(Done(moment))
+
+    @app.get("/scenario", response_model=schema.ScenarioRun | None)
+    async def told() -> Any:
+        """The scenario of the run, or the last one that was started, and its verdict."""
+        return Json(await desk.ask(lambda: desk.scenarios.told))
+
+    @app.delete("/scenario", response_model=Done)
+    async def stop() -> Any:
+        """End it before its time; its cleanup is carried out."""
+        return Json(Done(await desk.ask(desk.scenarios.stop)))
+
+
+def _shipped(name: str) -> str:
+    if name not in scenarios():
+        raise unknown("shipped scenario", name, scenarios())
+    with scenario_file(name) as path:
+        return path.read_text("utf-8")
+
+
+def _add_nodes(app: FastAPI, desk: Desk) -> None:
+    @app.get("/nodes", response_model=list[schema.NodeName])
+    async def nodes() -> Any:
+        """The nodes there are, in the order in which they hear a frame."""
+        return Json(await desk.ask(lambda: [view.node_name(node) for node in desk.segment.nodes]))
+
+    @app.get("/nodes/{node:path}", response_model=schema.NodeState)
+    async def state(node: str) -> Any:
+        """How a node is at this moment."""
+        found = desk.node(node)
+        return Json(await desk.ask(lambda: view.node_state(found)))
