@@ -119,7 +119,10 @@ def test_faults_are_told_to_programs(said):
     assert faults["interlock_open"]["level"] == "device"
     assert faults["heartbeat_late"]["parameters"]["seconds"] == {
         "text": "by how much, in s",
+        "type": "number",
         "default": 1.0,
+        "low": 0,
+        "high": None,
     }
 
 
