@@ -2,6 +2,7 @@ import pytest
 from probe import Probe, configure
 
 from canopen_twins import Bench
+from canopen_twins.bench.limits import OutOfTime, SimulatedTimeError, Standstill
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Segment
 from canopen_twins.errors import UserError
@@ -94,15 +95,30 @@ def test_frames_are_delivered_at_the_moment_they_are_sent(pair):
     ]
 
 
-def test_a_callback_of_the_master_may_send_and_has_the_answer_at_once(pair):
-    answers = []
+def test_a_callback_of_the_master_may_send(pair):
+    pair.master.subscribe(0x185, lambda *_: pair.master.send_message(0, [0x80, 0x06]))
+    assert pair.send("000#0105") == ["185#000000"]
+    assert pair.trace[-1].frame == Frame.parse("000#8006")
 
-    def ask(can_id, data, timestamp):
-        answers.append(pair["right"].sdo["Word"].raw)
 
-    pair.master.subscribe(0x185, ask)
-    assert pair.send("000#0105") == ["185#000000", "586#4B01200034120000"]
-    assert answers == [0x1234]
+def test_a_callback_that_waits_for_an_answer_is_told_that_no_real_bus_has_one_for_it(pair):
+    pair.master.subscribe(0x185, lambda *_: pair["right"].sdo["Word"].raw)
+    with pytest.raises(SimulatedTimeError, match=r"in a callback, at .*test_segment.py:\d+ in "):
+        pair.send("000#0105")
+    assert pair["right"].sdo["Word"].raw == 0x1234
+
+
+def test_a_loop_that_lets_no_time_pass_is_no_hang(pair, monkeypatch):
+    monkeypatch.setattr(pair.master, "_standstill", Standstill(1000))
+
+    def spin():
+        while pair["right"].sdo["Word"].raw == 0x1234:
+            pass
+
+    with pytest.raises(OutOfTime, match=r"lets no time pass, at .*test_segment.py:\d+ in spin"):
+        spin()
+    pair.run(0.1)
+    assert pair["right"].sdo["Word"].raw == 0x1234
 
 
 def test_a_frame_reaches_every_node_before_a_master_replies_to_it(pair):

@@ -1,6 +1,7 @@
 import asyncio
 import sys
 import threading
+import time
 
 import canopen
 import pytest
@@ -8,7 +9,8 @@ import threaded_master
 from threaded_master import connect
 
 from canopen_twins import Bench
-from canopen_twins.bench.simulated_time import SimulatedTimeError, simulated_time
+from canopen_twins.bench.limits import Standstill
+from canopen_twins.bench.simulated_time import SimulatedTimeError, scheduler, simulated_time
 from canopen_twins.slave.dictionary import dictionary
 
 
@@ -262,5 +264,122 @@ def test_a_deadlock_of_the_master_is_no_hang(bench, module):
     with simulated_time(bench, users):
         lock = users.threading.Lock()
         lock.acquire()
-        with pytest.raises(SimulatedTimeError, match="no time-out"):
+        with pytest.raises(SimulatedTimeError, match="a lock that it holds itself"):
             lock.acquire()
+
+
+def test_threads_that_hold_each_other_up_are_found(bench, module):
+    users = module("""
+import threading, time
+one, other = threading.Lock(), threading.Lock()
+def take(first, second):
+    with first:
+        time.sleep(1)
+        with second:
+            pass
+""")
+
+    def run():
+        with simulated_time(bench, users):
+            users.threading.Thread(target=users.take, args=(users.one, users.other)).start()
+            users.threading.Thread(target=users.take, args=(users.other, users.one)).start()
+            bench.run(2.0)
+
+    with pytest.raises(SimulatedTimeError, match=r"deadlock of threads .*:7 in take and .*:7 in t"):
+        run()
+
+
+def test_endless_retries_are_over_after_a_limit_of_simulated_time(bench, module):
+    users = module("""
+import canopen
+def start(node):
+    while True:
+        try:
+            node.sdo["Run command"].raw = 1
+            return
+        except Exception:
+            pass
+""")
+    bench.power_off()
+    with (
+        pytest.raises(SimulatedTimeError, match=r"60 s of simulated time: it is at .*:6 in start"),
+        simulated_time(bench, users, longest=60),
+    ):
+        users.start(connect())
+    assert 60 < bench.clock.now < 61
+
+
+def test_a_loop_that_never_waits_is_over_after_a_limit_of_real_time(bench, module):
+    users = module("def spin():\n try:\n  while True: pass\n except Exception: pass")
+    with (
+        pytest.raises(SimulatedTimeError, match=r"0.05 s of real time: it is at .*:3 in spin"),
+        simulated_time(bench, users, wall=0.05),
+    ):
+        users.spin()
+
+
+def test_a_thread_that_never_waits_is_told_of_and_ended(bench, module):
+    users = module("import threading\ndef spin():\n while True: pass")
+
+    def run():
+        with simulated_time(bench, users, patience=0.05):
+            thread = users.threading.Thread(target=users.spin, name="spinning")
+            spinning.append(thread)
+            thread.start()
+            bench.run(1.0)
+
+    spinning = []
+    with pytest.raises(SimulatedTimeError, match=r"thread 'spinning', at .*:3 in spin has not"):
+        run()
+    threading.Thread.join(spinning[0], 5.0)
+    assert not threading.Thread.is_alive(spinning[0])
+
+
+@pytest.mark.parametrize("what", ["bus.send(can.Message(data=[1]))", "bus.recv(0)"])
+def test_a_loop_around_a_bus_that_never_waits_is_refused(bench, module, what, monkeypatch):
+    users = module(f"import can\ndef spin(bus):\n while True: {what}")
+    with (
+        pytest.raises(SimulatedTimeError, match=r"never waits, at .*:3 in spin"),
+        simulated_time(bench, users),
+    ):
+        spin_on_a_bus(users, monkeypatch)
+
+
+def spin_on_a_bus(users, monkeypatch):
+    monkeypatch.setattr(scheduler.in_force(), "_standstill", Standstill(1000))
+    users.spin(users.can.Bus())
+
+
+def test_a_spinning_thread_that_catches_what_it_is_told_ends(bench, module, monkeypatch):
+    users = module("""
+import threading, time
+def spin():
+    while True:
+        try:
+            time.monotonic()
+        except Exception:
+            pass
+""")
+
+    def run():
+        with simulated_time(bench, users):
+            monkeypatch.setattr(scheduler.in_force(), "_standstill", Standstill(1000))
+            users.threading.Thread(target=users.spin).start()
+            bench.run(1.0)
+
+    with pytest.raises(SimulatedTimeError, match="asks for the time and never waits"):
+        run()
+
+
+def test_a_sleep_in_real_time_is_refused(bench):
+    real = time.sleep
+    with (
+        simulated_time(bench),
+        pytest.raises(SimulatedTimeError, match=r"ends.py:\d+ in test_a"),
+    ):
+        time.sleep(1)
+    assert time.sleep is real
+    with simulated_time(bench):
+        stranger = threading.Thread(target=time.sleep, args=(0,))  # whoever is not of the test
+        stranger.start()
+        stranger.join()

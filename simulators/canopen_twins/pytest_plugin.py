@@ -10,6 +10,7 @@ names of `canopen_twins` are.
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Set
 from contextlib import ExitStack, suppress
 from importlib import import_module
@@ -44,6 +45,11 @@ MODULES = {
     "canopen_simulated_time": ("canopen_twins.bench.simulated_time",),
 }
 """What the first test with a fixture would have to import."""
+
+REAL_BUS = (
+    "The bench of this test is on no bus of python-can. To have a master connect to it, whatever"
+    " interface that asks for: canopen_simulated_time(bench, 'my_master')"
+)
 
 SHOWN = pytest.StashKey[list[Callable[[], str]]]()
 """What a failing test has to show: functions that tell it, so that passing tests pay nothing."""
@@ -114,8 +120,10 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, object, object]:
     """A test is over when its scenarios are: what they expect counts as what it asserts."""
     try:
         result = yield
-    except (Exception, pytest.fail.Exception):
+    except (Exception, pytest.fail.Exception) as error:
         note(item)
+        if SHOWN in item.stash and opened_a_real_bus(error):
+            error.add_note(REAL_BUS)
         raise
     settle(item)
     return result
@@ -133,6 +141,15 @@ def pytest_runtest_makereport(
         for told in item.stash.get(TOLD, []):
             report.sections.append(("CANopen: the scenario so far", str(told.verdict)))
     return report
+
+
+def opened_a_real_bus(error: BaseException) -> bool:
+    """Whether an exception is that of python-can's interfaces, which have no such bus."""
+    if not isinstance(error, OSError) and type(error).__module__ != "can.exceptions":
+        return False
+    frames = traceback.walk_tb(error.__traceback__)
+    modules = [frame.f_globals.get("__name__", "") for frame, _ in frames]
+    return any(name.startswith("can.interface") for name in modules)
 
 
 class BenchFactory:
@@ -192,16 +209,19 @@ def canopen_scenario(
 
 
 @pytest.fixture
-def canopen_simulated_time() -> Iterator[Callable[..., None]]:
+def canopen_simulated_time(request: pytest.FixtureRequest) -> Iterator[Callable[..., None]]:
     """`canopen_simulated_time(bench, "my_master")`: simulated time until the end of the test.
 
     What is a bench's, canopen's and the named modules' waits no more in real time: see
-    `canopen_twins.simulated_time`.
+    `canopen_twins.simulated_time`, which also has the limits that may be given.
     """
     with ExitStack() as entered:
 
-        def enter(bench: Bench, *modules: ModuleType | str) -> None:
-            entered.enter_context(canopen_twins.simulated_time(bench, *modules))
+        def enter(bench: Bench, *modules: ModuleType | str, **limits: float) -> None:
+            context = canopen_twins.simulated_time(
+                bench, *modules, watched=[request.module], **limits
+            )
+            entered.enter_context(context)
 
         yield enter
 

@@ -178,3 +178,24 @@ def test_loading_the_plugin_imports_nothing_of_can():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_a_sleep_of_the_test_itself_is_told(run):
+    run("""
+        from time import sleep
+
+        def test_it(topcon, canopen_simulated_time):
+            canopen_simulated_time(topcon)
+            sleep(1)
+    """).stdout.fnmatch_lines(["*time.sleep would wait in real time, at *in test_it: name that*"])
+
+
+def test_a_master_that_opens_a_real_bus_beside_a_bench_is_told_of_simulated_time(run):
+    result = run("""
+        import canopen
+
+        def test_it(topcon):
+            canopen.Network().connect(interface="socketcan", channel="no_such_bus")
+    """)
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(["*canopen_simulated_time(bench, 'my_master')*"])

@@ -2,19 +2,24 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from math import inf
+from threading import get_ident
 from typing import Any, Self
 
 import canopen
 from canopen.nmt import NmtError, NmtMaster
 
 from canopen_twins import devices
+from canopen_twins.bench.limits import OutOfTime, SimulatedTimeError, Standstill, place_of
 from canopen_twins.bench.twin import ORDERS, QUESTIONS, Twin
 from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.identifiers import Cob, classify
 from canopen_twins.bus.segment import Record, Segment
 from canopen_twins.bus.wire import PeriodicFrame
 from canopen_twins.device.device import Device
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
+
+MOST_SENT = 250_000  # frames of the master at one moment
 
 
 class BenchTwin(Twin):
@@ -236,6 +241,8 @@ class Master(canopen.Network):
     def __init__(self, segment: Segment[Node]) -> None:
         super().__init__()
         self._segment = segment
+        self._notifies = False
+        self._standstill = Standstill(MOST_SENT)
         segment.masters.append(self._hear)
 
     def __setitem__(self, node_id: int, node: canopen.RemoteNode | canopen.LocalNode) -> None:
@@ -244,7 +251,23 @@ class Master(canopen.Network):
         super().__setitem__(node_id, node)
 
     def send_message(self, can_id: int, data: Sequence[int], remote: bool = False) -> None:
-        """What canopen calls to send."""
+        """What canopen calls to send.
+
+        Raises:
+            SimulatedTimeError: an SDO request in a callback: no real bus would answer it in time.
+            OutOfTime: one of many, many frames while no time passes.
+        """
+        if self._notifies and not remote and _is_sdo_request(can_id):
+            raise SimulatedTimeError(
+                f"an SDO request in a callback, at {place_of(get_ident())}: on a real bus the"
+                " thread that would receive the answer is in this callback. Note here what has"
+                " come, and ask when it is over"
+            )
+        if not self._standstill.goes_on(self._segment.clock.ticks):
+            raise OutOfTime(
+                f"a loop sends and lets no time pass, at {place_of(get_ident())}: on a bench time"
+                " passes in run() alone"
+            )
         self._segment.send(Frame(can_id, bytes(data), remote, can_id > 0x7FF))
 
     def send_periodic(
@@ -257,4 +280,13 @@ class Master(canopen.Network):
     def _hear(self, frame: Frame, sender: str) -> None:
         """What the twins send, as far as canopen knows it: no remote frames."""
         if sender and not frame.remote:
-            self.notify(frame.can_id, bytearray(frame.data), self._segment.clock.now)
+            before, self._notifies = self._notifies, True
+            try:
+                self.notify(frame.can_id, bytearray(frame.data), self._segment.clock.now)
+            finally:
+                self._notifies = before
+
+
+def _is_sdo_request(can_id: int) -> bool:
+    known = classify(can_id)
+    return known is not None and known.cob is Cob.SDO_REQUEST

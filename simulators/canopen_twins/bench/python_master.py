@@ -24,9 +24,10 @@ from typing import Any, NamedTuple
 
 import canopen
 
+from canopen_twins.bench.limits import SimulatedTimeError
 from canopen_twins.bench.simulated_time import in_simulated_time
 from canopen_twins.bench.simulated_time.primitives import Thread
-from canopen_twins.bench.simulated_time.scheduler import Scheduler, SimulatedTimeError
+from canopen_twins.bench.simulated_time.scheduler import Scheduler
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError, unknown

@@ -60,7 +60,7 @@ class SimulatedBus(can.BusABC):
             raise can.CanOperationError("the bus has been shut down")
         if msg.is_fd or msg.is_error_frame:
             raise can.CanOperationError("a bench carries data frames and remote frames of CAN 2.0")
-        self._scheduler.current()
+        self._scheduler.count("sends")
         self._wire.put(frame_of(msg))
         try:
             self._scheduler.segment.deliver()

@@ -12,6 +12,7 @@ from threading import get_ident
 from types import TracebackType
 from typing import Any, NamedTuple, TypeVar
 
+from canopen_twins.bench.limits import place_of
 from canopen_twins.bench.simulated_time.scheduler import (
     TICK,
     Scheduler,
@@ -25,7 +26,7 @@ T = TypeVar("T")
 
 EPOCH = 946_684_800  # `time.time()` when the bench was made, so that every run has the same dates
 NANOSECONDS = 1_000_000_000
-MOST_READINGS = 100_000  # of a clock that stands still: a loop that never waits
+OWN_LOCK = 60.0  # simulated seconds a thread waits for a lock that it holds itself
 
 
 class Held(NamedTuple):
@@ -47,8 +48,11 @@ class Lock:
     def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
         """See `threading.Lock`."""
         if self.locked() and not self._mine():
-            longest = None if timeout < 0 else timeout
-            if not (blocking and wait(self._free, longest)):
+            if not blocking:
+                return False
+            if timeout < 0:
+                self._wait_without_end()
+            elif not wait(self._free, timeout):
                 return False
         self._held = Held(get_ident(), self._held.depth + 1)
         return True
@@ -89,11 +93,39 @@ class Lock:
     ) -> None:
         self.release()
 
+    def _wait_without_end(self) -> None:
+        scheduler, me = in_force(), get_ident()
+        scheduler.wanted_locks[me] = self
+        try:
+            holder = self._held.owner
+            if holder == me:  # another one may release it, as those do who signal with locks
+                if not wait(self._free, OWN_LOCK):
+                    told = f"waits for a lock that it holds itself, at {place_of(me)}"
+                    raise scheduler.refusal(f"a deadlock: a thread {told}")
+                return
+            if me in (ring := _ring(scheduler, holder)):
+                places = " and ".join(place_of(each) for each in ring)
+                raise scheduler.refusal(f"a deadlock of threads that hold each other up: {places}")
+            wait(self._free)
+        finally:
+            del scheduler.wanted_locks[me]
+
     def _free(self) -> bool:
         return not self.locked()
 
     def _mine(self) -> bool:
         return False
+
+
+def _ring(scheduler: Scheduler, thread: int) -> list[int]:
+    """A thread, who holds the lock it waits for, and so on, as far as they wait without end."""
+    threads = [thread]
+    while isinstance(lock := scheduler.wanted_locks.get(thread), Lock):
+        thread = lock._held.owner  # noqa: SLF001 - of our own kind
+        if thread in threads:
+            break
+        threads.append(thread)
+    return threads
 
 
 class RLock(Lock):
@@ -319,8 +351,6 @@ class WallClock:
 
     def __init__(self, scheduler: Scheduler) -> None:
         self._scheduler = scheduler
-        self._tick = -1
-        self._readings = 0
 
     def now(self) -> float:
         """Seconds of the bench's clock.
@@ -328,15 +358,7 @@ class WallClock:
         Raises:
             SimulatedTimeError: somebody asks again and again and never waits.
         """
-        self._scheduler.current()
-        tick = self._scheduler.clock.ticks
-        self._readings = self._readings + 1 if tick == self._tick else 1
-        self._tick = tick
-        if self._readings > MOST_READINGS:
-            raise self._scheduler.refusal(
-                "a loop asks for the time and never waits: simulated time passes only while the"
-                " master waits, as in time.sleep()"
-            )
+        self._scheduler.count("asks for the time")
         return self._scheduler.clock.now
 
     def sleep(self, seconds: float) -> None:

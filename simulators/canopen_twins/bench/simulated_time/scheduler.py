@@ -6,12 +6,17 @@ happens, and in which order, depends on the clock alone.
 """
 
 import asyncio
-import sys
 import threading
-import traceback
 from collections.abc import Callable
 from functools import partial
 
+from canopen_twins.bench.limits import (
+    OutOfTime,
+    SimulatedTimeError,
+    Standstill,
+    place_of,
+    raise_in,
+)
 from canopen_twins.bus.clock import MICROSECONDS, microseconds
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
@@ -20,12 +25,9 @@ Ready = Callable[[], object]
 """Whether what somebody waits for has come; asked by the thread that runs."""
 
 TICK = 1 / MICROSECONDS  # seconds; who waits for less, as for a rest left by rounding, gets this
+LONGEST = 86_400.0  # simulated seconds of a block
 LONGEST_WAIT = 3600.0  # simulated seconds the test waits for what has no time-out of its own
 MOST_STOPS = 100  # attempts to go on of a thread that has been told to end
-
-
-class SimulatedTimeError(RuntimeError):
-    """Something that cannot work in simulated time; the message says what, and what can."""
 
 
 class Stopped(BaseException):
@@ -56,7 +58,7 @@ class Task:
         """Do what the thread is for; the exception that has ended it, if it was one."""
         try:
             target()
-        except (Stopped, SystemExit):
+        except (Stopped, OutOfTime, SystemExit):
             pass
         except BaseException as error:
             return error
@@ -69,20 +71,22 @@ class Task:
 
     def __str__(self) -> str:
         """The thread and the line of its program at which it is."""
-        frames = sys._current_frames()  # noqa: SLF001 - the only way to see another thread's
-        stack = traceback.extract_stack(frames.get(self.thread.ident or 0))
-        where = f", at {stack[-1].filename}:{stack[-1].lineno}" if stack else ""
-        return f"thread {self.thread.name!r}{where}"
+        return f"thread {self.thread.name!r}, at {place_of(self.thread.ident)}"
 
 
 class Scheduler:
     """Which thread may run, and what has to happen before another may."""
 
-    def __init__(self, segment: Segment[Node], patience: float) -> None:
+    def __init__(self, segment: Segment[Node], patience: float, longest: float = LONGEST) -> None:
         self.segment = segment
         self.clock = segment.clock
         self.failure: Exception | None = None  # of a thread; the test is to hear of it
+        self.wanted_locks: dict[int, object] = {}
+        """What threads wait for without a time-out, by their identifiers."""
         self._patience = patience
+        self._longest = longest
+        self._last = self.clock.ticks + microseconds(longest)
+        self._standstill = Standstill()
         self._owner = threading.get_ident()
         self._tasks: list[Task] = []  # in the order of their start, which is that of their turns
         self._running: Task | None = None
@@ -101,6 +105,8 @@ class Scheduler:
             raise self.refusal("asyncio has a loop of its own, which waits in real time")
         if task is not None and self._ending:
             self._stop(task)
+        if timeout is not None and timeout <= 0:
+            self.count("looks whether something has come")
         if not ready() and (timeout is None or timeout > 0):
             longest = None if timeout is None else max(timeout, TICK)
             if task is None:
@@ -108,6 +114,36 @@ class Scheduler:
             else:
                 self._park(task, ready, longest)
         return bool(ready())
+
+    def count(self, what: str) -> None:
+        """The caller does something that takes no time, and may be doing so in a loop.
+
+        Raises:
+            SimulatedTimeError: it does so again and again, and never waits.
+            Stopped: it has been told so, in a thread of the master.
+            OutOfTime: the same in the thread that entered simulated time.
+        """
+        task = self.current()
+        if self._standstill.goes_on(self.clock.ticks):
+            return
+        if task is not None and self.failure is not None:
+            raise Stopped
+        error = self.refusal(
+            f"a loop {what} and never waits, at {place_of(threading.get_ident())}: simulated time"
+            " passes only while the master waits, as in time.sleep()"
+        )
+        raise error if self._standstill.told_once() else OutOfTime(str(error))
+
+    @property
+    def knows_caller(self) -> bool:
+        """Whether the thread that calls is in simulated time."""
+        caller, running = threading.get_ident(), self._running
+        return caller == self._owner or (running is not None and running.thread.ident == caller)
+
+    def everybody(self) -> str:
+        """Where the thread that entered simulated time is, and every thread of the master."""
+        tasks = [str(task) for task in self._tasks if not task.done]
+        return "; ".join([f"it is at {place_of(self._owner)}", *tasks])
 
     def changed(self) -> None:
         """Something has happened: at this moment of the clock, all that wait look again."""
@@ -171,6 +207,8 @@ class Scheduler:
     def _pass_time(self, ready: Ready, timeout: float | None) -> None:
         clock = self.clock
         end = clock.ticks + microseconds(LONGEST_WAIT if timeout is None else timeout)
+        if clock.ticks > self._last:
+            raise OutOfTime(f"{self._longest:g} s of simulated time: {self.everybody()}")
         while clock.next_tick <= end:
             self.segment.advance_to(clock.next_tick / MICROSECONDS)
             if self.failure is not None:
@@ -181,7 +219,7 @@ class Scheduler:
         if timeout is None:
             raise SimulatedTimeError(
                 f"nothing has come in {LONGEST_WAIT:.0f} s of simulated time, and this wait has no"
-                " time-out"
+                f" time-out: {self.everybody()}"
             )
 
     def _park(self, task: Task, ready: Ready, timeout: float | None) -> None:
@@ -212,11 +250,10 @@ class Scheduler:
         back = self._returned.acquire(timeout=self._patience)
         self._running = None
         if not back:
+            told = f"{task} has not come back for {self._patience} s of real time"
             task.done = True  # as far as anybody here is concerned
-            raise SimulatedTimeError(
-                f"{task} has not come back for {self._patience} s of real time: what it does there"
-                " does not wait in simulated time"
-            )
+            raise_in(task.thread.ident or 0, told)  # a loop in Python ends
+            raise SimulatedTimeError(f"{told}: what it does there does not wait in simulated time")
 
     def _stop(self, task: Task) -> None:
         """End a task in its wait; one that goes on all the same is left there for good."""
@@ -239,7 +276,7 @@ def _in_event_loop() -> bool:
 _in_force: list[Scheduler] = []
 
 
-def enter(segment: Segment[Node], patience: float) -> Scheduler:
+def enter(segment: Segment[Node], patience: float, longest: float = LONGEST) -> Scheduler:
     """Let simulated time be that of a segment.
 
     Raises:
@@ -247,7 +284,7 @@ def enter(segment: Segment[Node], patience: float) -> Scheduler:
     """
     if _in_force:
         raise SimulatedTimeError("simulated time is in force already: leave it before you enter it")
-    _in_force.append(Scheduler(segment, patience))
+    _in_force.append(Scheduler(segment, patience, longest))
     return _in_force[0]
 
 

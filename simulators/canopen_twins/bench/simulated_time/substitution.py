@@ -10,6 +10,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
+from threading import get_ident
 from types import BuiltinFunctionType, FunctionType, ModuleType
 from typing import Any, NoReturn, TypeGuard, TypeVar
 
@@ -18,6 +19,7 @@ import can.broadcastmanager
 import can.thread_safe_bus
 import canopen.profiles.p402
 
+from canopen_twins.bench.limits import place_of
 from canopen_twins.bench.simulated_time import primitives
 from canopen_twins.bench.simulated_time.bus import Notifier
 from canopen_twins.bench.simulated_time.scheduler import Scheduler
@@ -178,6 +180,23 @@ class Substitution:
                 elif not name.startswith("__"):
                     self._replace(module, name, value)
 
+    def refuse_sleep(self, scheduler: Scheduler, watched: Iterable[ModuleType]) -> None:
+        """Let the real `time.sleep` refuse to stop simulated time, as it is or in these modules."""
+        real = time.sleep
+
+        def sleep(seconds: float) -> None:
+            if scheduler.knows_caller:
+                raise scheduler.refusal(
+                    f"time.sleep would wait in real time, at {place_of(get_ident())}: name that"
+                    " module, too, as in simulated_time(bench, 'my_master', __name__)"
+                )
+            real(seconds)
+
+        self._set(time, "sleep", sleep)
+        for module in watched:
+            for name in [name for name, value in vars(module).items() if value is real]:
+                self._set(module, name, sleep)
+
     def undo(self) -> None:
         """Leave everything as it was."""
         for module, name, value in self._globals:
@@ -188,8 +207,11 @@ class Substitution:
     def _replace(self, module: ModuleType, name: str, value: object) -> None:
         stand_in = self._stand_ins.find(value)
         if stand_in is not value:
-            self._globals.append((module, name, value))
-            setattr(module, name, stand_in)
+            self._set(module, name, stand_in)
+
+    def _set(self, module: ModuleType, name: str, value: object) -> None:
+        self._globals.append((module, name, getattr(module, name)))
+        setattr(module, name, value)
 
     def _rebase(self, kind: type) -> None:
         """A class of the master's that inherits from `threading.Thread` inherits from ours."""
