@@ -1,3 +1,4 @@
+import time
 from contextlib import ExitStack, contextmanager
 from queue import SimpleQueue
 from threading import Event, Thread
@@ -312,9 +313,12 @@ def frail(channel):
     class Frail(VirtualBus):
         failing = frozenset()
         attempts = SimpleQueue()
+        mute = Event()
+        mute.set()
 
         def __init__(self):
             self.attempts.put(None)
+            self.mute.wait()
             if "open" in self.failing:
                 raise OSError("no such device")
             super().__init__(channel)
@@ -383,3 +387,47 @@ def test_a_bus_that_is_heard_but_takes_nothing_has_failed_too(segment, frail, ma
         ("ERROR", "the bus has failed, trying again until it works: transmit buffer full"),
         ("WARNING", "the bus works again"),
     ]
+
+
+def test_time_goes_on_while_a_bus_takes_its_time_to_open(segment, frail, master, caplog):
+    with serving(segment, frail):
+        assert master.hear() == "705#00"
+        frail.attempts.get()
+        frail.mute.clear()
+        frail.failing = {"recv"}
+        frail.attempts.get(timeout=PATIENCE)
+        before = segment.clock.now
+        while segment.clock.now < before + 0.2:  # until the test's limit, if it stands still
+            time.sleep(0.01)
+        frail.failing = {}
+        frail.mute.set()
+        assert ask_until_answered(master) == "585#4B00210000000000"
+    assert [words for level, words in told(caplog) if level == "WARNING"] == ["the bus works again"]
+
+
+def test_a_bus_that_opens_after_the_end_is_left(segment, frail, channel, master):
+    with serving(segment, frail):
+        assert master.hear() == "705#00"
+        frail.attempts.get()
+        frail.mute.clear()
+        frail.failing = {"recv"}
+        frail.attempts.get(timeout=PATIENCE)
+    frail.mute.set()
+    while channels[channel] != [master.bus.queue]:
+        time.sleep(0.01)
+
+
+def test_a_bug_in_opening_a_bus_comes_out(segment, frail, master):
+    def broken():
+        if opened:
+            raise KeyError("a bug in opening")
+        opened.append(frail())
+        return opened[0]
+
+    def no_more():
+        frail.failing = {"recv"}
+
+    opened = []
+    with pytest.raises(KeyError, match="a bug in opening"):
+        serve(segment, broken, lambda: False, no_more)
+    assert segment.listeners == []

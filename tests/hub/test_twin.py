@@ -1,12 +1,17 @@
 import signal
+import socket
+import time
 from queue import SimpleQueue
+from threading import Thread
 
+import can
 import canopen
 import pytest
 
 from canopen_twins.bus.hub.client import HubBus
 from canopen_twins.bus.hub.protocol import HubAddress
 from canopen_twins.cli import main
+from canopen_twins.live.serve import LONGEST_GAP
 
 from .conftest import EDS, PATIENCE, hub_at, started
 
@@ -74,6 +79,33 @@ def test_a_twin_is_back_when_the_hub_is(stack):
         node = network.add_node(5, EDS)
         node.sdo.RESPONSE_TIMEOUT, node.sdo.MAX_RETRIES = 0.1, 50
         assert node.sdo.upload(0x1000, 0)
+
+
+def test_a_hub_that_takes_nothing_leaves_no_gap_in_the_time_of_a_twin(stack):
+    listener = stack.enter_context(socket.create_server(("127.0.0.1", 0)))
+    answers = Thread(target=lambda: stack.enter_context(accepted(listener)))
+    answers.start()
+    bus = stack.enter_context(HubBus(HubAddress(*listener.getsockname()), "vcan0"))
+    answers.join()
+    while send(bus):
+        begun = time.monotonic()
+    assert time.monotonic() - begun < LONGEST_GAP
+
+
+def send(bus):
+    """Whether it has been taken."""
+    try:
+        bus.send(can.Message(arbitration_id=0x705, data=bytes(8), is_extended_id=False))
+    except TimeoutError:
+        return False
+    return True
+
+
+def accepted(listener):
+    """A connection on which all that a hub says at the beginning has been said."""
+    connection, _ = listener.accept()
+    connection.sendall(b"< hi >< ok >< ok >")
+    return connection
 
 
 WRONG = [

@@ -7,6 +7,8 @@ from collections import deque
 from collections.abc import Callable, Container, Iterable
 from contextlib import suppress
 from functools import partial
+from queue import Empty, SimpleQueue
+from threading import Event, Thread
 
 import can
 from can.interfaces.udp_multicast import UdpMulticastBus
@@ -32,6 +34,45 @@ MOST_ECHOES = 256  # own frames that are waited for; older ones have been lost
 OWN = (Cob.EMCY, Cob.SDO_ANSWER, Cob.HEARTBEAT)  # what only the node itself sends
 
 
+class Attempt:
+    """Opens a bus in a thread of its own: a hub that is mute keeps nobody waiting."""
+
+    def __init__(self, open_bus: OpenBus) -> None:
+        self._open = open_bus
+        self._came: SimpleQueue[can.BusABC | BaseException] = SimpleQueue()
+        self._given_up = Event()
+        Thread(target=self._work, daemon=True).start()
+
+    def result(self, wait: float) -> can.BusABC | None:
+        """The bus, none if it is not there within `wait` seconds; raises what opening it raised."""
+        try:
+            came = self._came.get(timeout=wait)
+        except Empty:
+            return None
+        if isinstance(came, BaseException):
+            raise came
+        return came
+
+    def give_up(self) -> None:
+        """Whatever comes is closed, whenever it comes."""
+        self._given_up.set()
+        self._discard()
+
+    def _work(self) -> None:
+        try:
+            self._came.put(self._open())
+        except BaseException as failure:
+            self._came.put(failure)
+        if self._given_up.is_set():
+            self._discard()
+
+    def _discard(self) -> None:
+        with suppress(Empty, *FAILURES):
+            came = self._came.get_nowait()
+            if isinstance(came, can.BusABC):
+                came.shutdown()
+
+
 class ReopenedBus:
     """Carries frames between nodes and a bus; they get lost while it fails and is opened again."""
 
@@ -43,8 +84,9 @@ class ReopenedBus:
         self._failing = False
         self._pause = SHORTEST_PAUSE
         self._next_attempt = 0.0
+        self._attempt: Attempt | None = None
         try:
-            self._connect()
+            self._connect(open_bus())
         except FAILURES as failure:
             raise UserError(f"the bus cannot be opened: {_words(failure)}") from failure
 
@@ -82,13 +124,16 @@ class ReopenedBus:
 
     def close(self) -> None:
         """Leave the bus."""
+        if self._attempt is not None:
+            self._attempt.give_up()
+            self._attempt = None
         if self._bus is not None:
             with suppress(*FAILURES):
                 self._bus.shutdown()
         self._bus = None
 
-    def _connect(self) -> None:
-        self._bus = bus = self._open()
+    def _connect(self, bus: can.BusABC) -> None:
+        self._bus = bus
         self._echoes = deque(maxlen=MOST_ECHOES) if _echoes(bus) else None
 
     def _reopen(self, wait: float) -> None:
@@ -96,10 +141,16 @@ class ReopenedBus:
         if left > 0:
             time.sleep(min(left, wait))
             return
+        if self._attempt is None:
+            self._attempt = Attempt(self._open)
         try:
-            self._connect()
+            bus = self._attempt.result(wait)
         except FAILURES as failure:
             self._fail(failure)
+        else:
+            if bus is not None:
+                self._attempt = None
+                self._connect(bus)
 
     def _fail(self, failure: Exception) -> None:
         if not self._failing:

@@ -17,7 +17,8 @@ from canopen_twins.bus.hub.protocol import (
 )
 from canopen_twins.bus.python_can import frame_of, message_of
 
-PATIENCE = 2.0  # seconds for the hub to take or to answer something
+PATIENCE = 2.0  # seconds for the hub to answer when it is joined
+SEND_PATIENCE = 0.5  # seconds for it to take a frame: a twin's time waits, and makes up for these
 CHUNK = 1 << 16  # bytes
 
 
@@ -45,6 +46,7 @@ class HubBus(can.BusABC):
         except BaseException:
             self._socket.close()
             raise
+        self._socket.settimeout(SEND_PATIENCE)
         super().__init__(channel)
 
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
