@@ -45,21 +45,21 @@ class Plot:
         """
         (run,) = self._runs
         if self._suffix == ".html":
-            content = page(run, self._draw(run, "svg").decode()).encode()
+            content = page(run, self._draw(run, "svg", headed=False).decode()).encode()
         else:
-            content = self._draw(run, self._suffix[1:])
+            content = self._draw(run, self._suffix[1:], headed=True)
         try:
             self._path.write_bytes(content)
         except OSError as failure:
             raise UserError(f"{self._path} cannot be written: {failure.strerror}") from failure
 
 
-def _drawing() -> Callable[[Run, str], bytes]:
+def _drawing() -> Callable[..., bytes]:
     try:
         module = import_module("canopen_twins.record.plot.figure")
     except ModuleNotFoundError as missing:
         if (missing.name or "").partition(".")[0] != "matplotlib":
             raise
         raise UserError("a picture needs the extra: pip install 'canopen-twins[plot]'") from missing
-    picture: Callable[[Run, str], bytes] = module.picture
+    picture: Callable[..., bytes] = module.picture
     return picture

@@ -34,28 +34,26 @@ NARROWEST = 2 / 1000  # of the axis: what is shorter can still be seen
 SWATCH = 0.15  # inches
 
 
-def picture(run: Run, suffix: str) -> bytes:
-    """The content of a file, `svg` or `png`."""
+def picture(run: Run, suffix: str, headed: bool = True) -> bytes:
+    """The content of a file, `svg` or `png`; on a page the name and the verdict stand beside it."""
     with mpl.rc_context(), warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph")  # a name may have letters of any kind
         mpl.rcdefaults()
         mpl.rcParams.update(look.STYLE)
-        figure = _drawn(run)
+        figure = _drawn(run, headed)
         dots = min(look.RESOLUTION, look.HIGHEST / figure.get_figheight())
         file = BytesIO()
         figure.savefig(file, format=suffix, dpi=dots, metadata=UNDATED[suffix])
     return file.getvalue()
 
 
-def _drawn(run: Run) -> Figure:
+def _drawn(run: Run, headed: bool) -> Figure:
     panels = list(_panels(run))
-    tops = list(accumulate((panel.height + look.GAP for panel in panels), initial=look.TOP))
+    top = look.TOP if headed else look.GAP
+    tops = list(accumulate((panel.height + look.GAP for panel in panels), initial=top))
     figure = Figure(figsize=(look.WIDTH, tops[-2] + panels[-1].height + look.BOTTOM))
-    _write(figure, look.HEADING, shorten(_printable(run.heading), LONGEST), look.LARGE)
-    told, colour = "no scenario", look.INK
-    if (verdict := run.verdict) is not None:
-        told, colour = str(verdict).splitlines()[0], look.PASSED if verdict.ok else look.FAILED
-    _write(figure, look.VERDICT, _printable(told), look.MEDIUM, colour)
+    if headed:
+        _head(figure, run)
     for panel, top in zip(panels, tops, strict=False):
         axes = figure.add_axes(_place(figure, top, panel.height))
         axes.set_xlim(0, run.duration)
@@ -64,6 +62,14 @@ def _drawn(run: Run) -> Figure:
         panel.draw(axes)
     axes.set_xlabel("time [s]")
     return figure
+
+
+def _head(figure: Figure, run: Run) -> None:
+    _write(figure, look.HEADING, shorten(_printable(run.heading), LONGEST), look.LARGE)
+    told, colour = "no scenario", look.INK
+    if (verdict := run.verdict) is not None:
+        told, colour = str(verdict).splitlines()[0], look.PASSED if verdict.ok else look.FAILED
+    _write(figure, look.VERDICT, _printable(told), look.MEDIUM, colour)
 
 
 def _panels(run: Run) -> "Iterator[CurvePanel | Heading | Lanes]":

@@ -17,6 +17,7 @@ from canopen_twins.slave.service import State
 
 GRAIN = 1  # microsecond: a moment of the clock is over when the next one begins
 MOST_MARKS = 500
+MOST_FRAMES = 2000
 POWER_OFF = Band("power off", Mood.OFF)
 NMT: Mapping[State, Band] = {
     State.INITIALISING: Band("initialising", Mood.OFF),
@@ -32,6 +33,16 @@ class SentEmcy(NamedTuple):
     time: float
     """Seconds."""
     code: int
+    words: str
+
+
+class SentFrame(NamedTuple):
+    """A frame, and what it meant when it was sent."""
+
+    time: float
+    """Seconds."""
+    sender: str
+    frame: Frame
     words: str
 
 
@@ -118,6 +129,11 @@ class Run:
 
     def __init__(self, segment: Segment[Node], player: Player | None) -> None:
         self.nodes = [NodeHistory(node) for node in segment.nodes]
+        self.frames: list[SentFrame] = []
+        """The first of them."""
+        self.unheard = 0
+        """Frames beyond `MOST_FRAMES`."""
+        self._decoder = Decoder(segment.nodes)
         self._clock = segment.clock
         self._begin = self._clock.ticks
         segment.listeners.append(self._hear)
@@ -186,3 +202,8 @@ class Run:
             self._plan(self._clock.ticks + GRAIN)
         for node in self.nodes:
             node.hear(self.duration, frame, sender)
+        if len(self.frames) == MOST_FRAMES:
+            self.unheard += 1
+            return
+        time = (self._clock.ticks - self._begin) / MICROSECONDS
+        self.frames.append(SentFrame(time, sender, frame, self._decoder.words(frame)))
