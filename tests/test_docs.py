@@ -8,8 +8,10 @@ from typing import Literal, get_args, get_origin, get_type_hints
 
 import pytest
 
-# pytester forgets modules that come while it works; an error would then be of another class
+# pytester forgets modules that come while it works: an error would then be of another class, and
+# numpy refuses to come a second time
 import canopen_twins.bench.simulated_time.scheduler
+import canopen_twins.record.plot.figure
 import canopen_twins.scenario.compile  # noqa: F401
 from canopen_twins import devices
 from canopen_twins.cli import main
