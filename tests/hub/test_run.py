@@ -1,11 +1,13 @@
 import json
 import subprocess
+from threading import Event, Thread
 
 import can
 import canopen
 import pytest
 
 from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.python_can import frame_of
 from canopen_twins.cli import main
 
 from .conftest import EDS, PATIENCE, PROGRAM, started
@@ -64,16 +66,74 @@ def test_a_mistake_in_a_bench_file_is_told_with_its_place(tmp_path, capsys):
     )
 
 
-def test_a_node_id_that_is_alive_on_the_bus_is_not_taken(hub, ours):
-    master = ours()
+def test_a_second_node_with_an_id_is_refused_by_the_hub_at_joining(hub, capsys):
     with started("run", "topcon", "-n", "5", "--hub", str(hub)):
-        heartbeat = Frame.parse("605#2B17100014000000")  # every 20 ms
-        master.send(can.Message(arbitration_id=0x605, data=heartbeat.data, is_extended_id=False))
-        assert [master.recv(PATIENCE).arbitration_id for _ in range(3)] == [0x705, 0x585, 0x705]
-        second = [*PROGRAM, "run", "topcon", "-n", "5", "--hub", str(hub)]
-        done = subprocess.run(second, capture_output=True, text=True, check=False)
+        assert main(["run", "charger", "-n", "5", "--hub", str(hub)]) == 2
+        out, err = capsys.readouterr()
+        assert out == ""
+        assert "the hub says: error node 5 is on vcan0 already, of 127.0.0.1:" in err
+        with started("run", "topcon", "-n", "5", "--hub", str(hub), "-c", "another") as (_, ready):
+            assert ready["channel"] == "another"
+        with started("run", "topcon", "-n", "6", "--hub", str(hub)) as (_, ready):
+            assert ready["node_id"] == 6
+    with started("run", "topcon", "-n", "5", "--hub", str(hub)) as (_, ready):  # it is free again
+        assert ready["node_id"] == 5
+
+
+def say(bus, text):
+    frame = Frame.parse(text)
+    bus.send(can.Message(arbitration_id=frame.can_id, data=frame.data, is_extended_id=False))
+
+
+def test_a_node_id_that_is_alive_on_the_bus_is_not_taken(hub, ours):
+    stranger, end = ours(), Event()
+
+    def beat():
+        while not end.wait(0.02):
+            say(stranger, "705#7F")
+
+    beating = Thread(target=beat)
+    beating.start()
+    second = [*PROGRAM, "run", "topcon", "-n", "5", "--hub", str(hub)]
+    done = subprocess.run(second, capture_output=True, text=True, check=False)
+    end.set()
+    beating.join()
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == "canopen-twin: node 5 is on the bus already: it has sent 705#7F\n"
+
+
+DOUBLE = "topcon: another node on the bus has node id 5, too: it has sent 085#0010010000000000"
+
+
+@pytest.mark.parametrize(("option", "code"), [((), 2), (("--no-exclusive",), 0)])
+def test_a_twin_that_hears_its_own_identifiers_says_so(hub, ours, option, code):
+    stranger = ours()
+    with started("run", "topcon", "-n", "5", "--hub", str(hub), *option) as (run, _):
+        say(stranger, "605#4000100000000000")
+        while str(frame_of(stranger.recv(PATIENCE))) != "585#4300100000000000":
+            pass
+        say(stranger, "085#0010010000000000")
+        if code:
+            run.wait(PATIENCE)
+        else:
+            say(stranger, "605#4000100000000000")
+            assert stranger.recv(PATIENCE).arbitration_id == 0x585
+    assert run.returncode == code
+    assert run.err.startswith(f"canopen-twin: {DOUBLE}\n")
+
+
+def test_a_verdict_says_that_another_node_has_the_id(hub, ours, tmp_path):
+    (tmp_path / "story.yaml").write_text(
+        "version: 1\nnode: {device: topcon, node_id: 5}\n"
+        "steps: [{at: 0, expect: {emcy: none, within: 60}}]\n"
+    )
+    story = ("--scenario", str(tmp_path / "story.yaml"))
+    with started("run", *story, "--hub", str(hub)) as (run, _):
+        say(ours(), "705#05")
+        run.wait(PATIENCE)
+    assert run.returncode == 2
+    assert "story.yaml: ERROR (2 ERROR)" in run.out
+    assert "node id of topcon: another node on the bus has node id 5, too: it has" in run.out
 
 
 REAL = {

@@ -106,7 +106,7 @@ REFUSED = {
     "< open >": "the name of a bus is 1 to 16 letters, digits and _.-",
     "< open ../../etc/passwd >": "the name of a bus is 1 to 16 letters, digits and _.-",
     "< rawmode >": "unknown command, there is open",
-    "< open vcan0 >< open vcan1 >": "unknown command, there is rawmode, echo",
+    "< open vcan0 >< open vcan1 >": "unknown command, there is rawmode, own, echo",
     "< open vcan0 >< rawmode >< bcmmode >": "unknown command, there is send, sendrtr, echo",
     "< open vcan0 >< rawmode >< send 800 0 >": "there is no identifier 800",
     "< open vcan0 >< rawmode >< send 123 F 1 >": "no frame of classic CAN",

@@ -124,3 +124,31 @@ def test_wrong_input_is_told_in_one_line(arguments, told, capsys, caplog):
     assert out == ""
     assert told in err
     assert err.count("\n") == 1
+
+
+SOCKETCAND = {
+    "< open vcan0 >": "< ok >",
+    "< own 00000000000000000000000000000020 >": "< error unknown command >",
+    "< rawmode >": "< ok >",
+    "< echo >": "< echo >",
+}
+
+
+def test_a_socketcand_that_knows_nothing_of_owners_is_joined_all_the_same():
+    def serve(server):
+        connection, _ = server.accept()
+        connection.sendall(b"< hi >")
+        for said, answer in SOCKETCAND.items():
+            heard = connection.recv(1000).decode()
+            told.append(heard)
+            assert heard == said
+            connection.sendall(answer.encode())
+        connection.close()
+
+    told = []
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        thread = Thread(target=serve, args=(server,))
+        thread.start()
+        with HubBus(HubAddress(port=server.getsockname()[1]), "vcan0", [5]):
+            thread.join()
+    assert told == [*SOCKETCAND]

@@ -1,7 +1,7 @@
 """The bus of `run`: one of python-can, or one on a hub."""
 
 import argparse
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from errno import EAFNOSUPPORT, ENODEV
 from functools import partial
@@ -90,7 +90,7 @@ def _of_a_hub(options: argparse.Namespace) -> NamedBus:
     address, name = HubAddress.parse(options.hub), getattr(options, "channel", DEFAULT_BUS)
     told = {"hub": str(address), "channel": name}
     place = BusPlace.on_hub(address, name)
-    return NamedBus(partial(_join, address, name), told, place, virtual=address.is_loopback)
+    return NamedBus(partial(join_hub, address, name), told, place, virtual=address.is_loopback)
 
 
 def _of_python_can(options: argparse.Namespace) -> NamedBus:
@@ -131,9 +131,14 @@ def _told(cause: BaseException | None, options: argparse.Namespace) -> str:
     return f"{cause} (say {interface} and --channel, or --hub)"
 
 
-def _join(address: HubAddress, name: str) -> can.BusABC:
+def join_hub(address: HubAddress, name: str, node_ids: Iterable[int] = ()) -> can.BusABC:
+    """A bus of a hub, with node ids that nobody else may have there.
+
+    Raises:
+        CanError: there is no hub, or it refuses.
+    """
     try:
-        return HubBus(address, name)
+        return HubBus(address, name, node_ids)
     except OSError as failure:
         hint = "start one with `canopen-twin hub`"
         raise can.CanInitializationError(f"no hub at {address}, {hint}: {failure}") from failure

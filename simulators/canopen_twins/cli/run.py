@@ -12,7 +12,7 @@ from can.cli import add_bus_arguments
 
 from canopen_twins import devices
 from canopen_twins.bus.segment import Segment
-from canopen_twins.cli.bus import NamedBus, add_bus, bus_of_run
+from canopen_twins.cli.bus import NamedBus, add_bus, bus_of_run, join_hub
 from canopen_twins.cli.check import load
 from canopen_twins.cli.command import (
     DEVICE,
@@ -39,6 +39,7 @@ from canopen_twins.faults import connect
 from canopen_twins.files.whole import held
 from canopen_twins.live.bus import OpenBus, with_node_id_check
 from canopen_twins.live.master_process import MasterProcess
+from canopen_twins.live.node_id_watch import NodeIdWatch
 from canopen_twins.live.run_end import RunEnd
 from canopen_twins.live.serve import serve
 from canopen_twins.scenario import Player, Scenario, begin, load_bench
@@ -67,6 +68,8 @@ def add_run(parser: Parser) -> None:
     parser.add_argument("--nvram", type=Path, metavar="FILE", help=text)
     add_bus(parser)
     add_control(parser)
+    text = "end with exit code 2 when another node on the bus has one of our node ids (on a hub)"
+    parser.add_argument("--exclusive", action=argparse.BooleanOptionalAction, help=text)
     add_parent(parser)
     add_reports(parser)
     add_recording(parser)
@@ -92,33 +95,50 @@ def _run(options: argparse.Namespace, signals: Signals) -> int:
     scenario = load(options.scenario) if options.scenario else None
     participants = _participants(options, scenario)
     nodes = {name: connect(segment, device, name) for name, device in participants.items()}
-    until_told = bool(options.words) and scenario and scenario.ends_with is EndsWith.COMMAND
-    player = Player(scenario, segment, nodes, bool(until_told)) if scenario else None
+    player = _player(options, scenario, segment, nodes)
     _tune(segment, getattr(options, "bitrate", None))
-    end = parent(options)
+    served = parent(options)
     with (
         _off_in_the_end(segment),
         bus_of_run(options) as bus,
         controlled(options, segment, player) as control,
+        _beside(options, bus) as master,
     ):
-        master = MasterProcess(options.words, bus.place) if options.words else None
+        doubles = NodeIdWatch(segment, player)
+        exclusive = _exclusive(options, bus)
+        end = RunEnd(lambda: bool(signals), player, master, served, doubles if exclusive else None)
         with recording(options, "run", scenario, participants) as observers:
             begin(segment, player, observers)
             ready = {**_ready(_title(options, scenario), segment), **bus.told, **control.told}
-            try:
-                serve(
-                    segment,
-                    _opening(bus, segment),
-                    RunEnd(lambda: bool(signals), player, master, end),
-                    partial(_begin, ready, master),
-                    control.orders,
-                )
-            finally:
-                if master is not None:
-                    master.end()
-        if player is None:
-            return _code_of(master, signals)
-        return _told(player, announcer, signals)
+            opening = _opening(bus, segment, options.exclusive)
+            serve(segment, opening, end, partial(_begin, ready, master), control.orders)
+        code = _code_of(master, signals) if player is None else _told(player, announcer, signals)
+    if exclusive and doubles.found:
+        raise UserError("ended: a node id belongs to one node alone (--no-exclusive goes on)")
+    return code
+
+
+def _player(
+    options: argparse.Namespace,
+    scenario: Scenario | None,
+    segment: Segment[Node],
+    nodes: Mapping[str, Node],
+) -> Player | None:
+    if scenario is None:
+        return None
+    until_told = bool(options.words) and scenario.ends_with is EndsWith.COMMAND
+    return Player(scenario, segment, nodes, until_told)
+
+
+@contextmanager
+def _beside(options: argparse.Namespace, bus: NamedBus) -> Iterator[MasterProcess | None]:
+    """The command beside the twins, if there is one; it does not outlive them."""
+    master = MasterProcess(options.words, bus.place) if options.words else None
+    try:
+        yield master
+    finally:
+        if master is not None:
+            master.end()
 
 
 def _begin(ready: Mapping[str, object], master: MasterProcess | None) -> None:
@@ -166,12 +186,19 @@ def _told(player: Player, announcer: Announcer, signals: Signals) -> int:
     return OK if verdict.ok else FAILED
 
 
-def _opening(bus: NamedBus, segment: Segment[Node]) -> OpenBus:
-    """With a look whether somebody is there who has one of our node ids."""
-    if bus.private:
+def _exclusive(options: argparse.Namespace, bus: NamedBus) -> bool:
+    """Whether nobody else may have one of our node ids; on a hub, where all are ours, so it is."""
+    return bus.place.hub is not None if options.exclusive is None else bool(options.exclusive)
+
+
+def _opening(bus: NamedBus, segment: Segment[Node], exclusive: bool | None) -> OpenBus:
+    """With a look whether somebody is there who has one of our node ids; a hub knows by itself."""
+    if bus.private or exclusive is False:
         return bus.open
-    node_ids = [node.node_id for node in segment.nodes]
-    return with_node_id_check(bus.open, node_ids, LISTEN if bus.virtual else LISTEN_LONG)
+    open_bus, node_ids = bus.open, [node.node_id for node in segment.nodes]
+    if bus.place.hub is not None:
+        open_bus = partial(join_hub, bus.place.hub, bus.place.channel, node_ids)
+    return with_node_id_check(open_bus, node_ids, LISTEN if bus.virtual else LISTEN_LONG)
 
 
 def _ready(title: str, segment: Segment[Node]) -> dict[str, object]:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from canopen_twins.live.master_process import MasterProcess
+from canopen_twins.live.node_id_watch import NodeIdWatch
 from canopen_twins.live.parent import Parent
 from canopen_twins.scenario import Player
 from canopen_twins.scenario.scenario import EndsWith
@@ -18,6 +19,7 @@ class RunEnd:
         player: Of the scenario, if there is one.
         master: The command beside it, if there is one.
         parent: At whose end we end, if there is one.
+        doubles: Nodes with our node ids that end the run, if they do.
     """
 
     def __init__(
@@ -26,11 +28,13 @@ class RunEnd:
         player: Player | None = None,
         master: MasterProcess | None = None,
         parent: Parent | None = None,
+        doubles: NodeIdWatch | None = None,
     ) -> None:
         self._signalled = signalled
         self._player = player
         self._master = master
         self._parent = parent
+        self._doubles = doubles
         self._heeded = False  # that the master has ended
         self._over = False
 
@@ -45,6 +49,8 @@ class RunEnd:
 
     def _is_over(self) -> bool:
         if self._signalled() or (self._parent is not None and self._parent.gone):
+            return True
+        if self._doubles is not None and self._doubles.found:
             return True
         ended = self._master is not None and self._master.code is not None
         if ended and self._player is None:

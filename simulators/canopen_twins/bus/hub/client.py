@@ -3,15 +3,18 @@
 import select
 import socket
 from collections import deque
+from collections.abc import Iterable
 
 import can
 
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.hub.protocol import (
+    UNKNOWN,
     HubAddress,
     Refused,
     Stream,
     element,
+    owning,
     read_delivered,
     sent,
 )
@@ -25,12 +28,12 @@ CHUNK = 1 << 16  # bytes
 class HubBus(can.BusABC):
     """One client of a hub, or of a socketcand; remote frames come and go as such."""
 
-    def __init__(self, address: HubAddress, channel: str) -> None:
-        """Join a bus by its name.
+    def __init__(self, address: HubAddress, channel: str, node_ids: Iterable[int] = ()) -> None:
+        """Join a bus by its name, with node ids that are ours alone; a socketcand knows none.
 
         Raises:
             OSError: there is nobody, or nobody who answers in time.
-            CanOperationError: it is refused.
+            CanOperationError: it is refused, as where another one has such a node id.
         """
         self.channel_info = f"{channel} at {address}"
         self._stream = Stream()
@@ -39,9 +42,10 @@ class HubBus(can.BusABC):
         try:
             self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             self._expect("hi")
-            for command in (f"open {channel}", "rawmode"):
-                self._socket.sendall(element(command))
-                self._expect("ok")
+            self._ask(f"open {channel}")
+            if owned := owning(node_ids):
+                self._ask(owned, or_else=UNKNOWN)
+            self._ask("rawmode")
             self._socket.sendall(element("echo"))  # to hear at once: a hub waits for python-can
         except BaseException:
             self._socket.close()
@@ -86,8 +90,13 @@ class HubBus(can.BusABC):
         except Refused as refusal:
             raise can.CanOperationError(f"there is no hub: {refusal}") from refusal
 
-    def _expect(self, answer: str) -> None:
+    def _ask(self, command: str, or_else: str | None = None) -> None:
+        self._socket.sendall(element(command))
+        self._expect("ok", or_else)
+
+    def _expect(self, answer: str, or_else: str | None = None) -> None:
         while not self._inbox:
             self._fill()
-        if (text := self._inbox.popleft()) != answer:
+        text = self._inbox.popleft()
+        if text != answer and (or_else is None or not text.startswith(or_else)):
             raise can.CanOperationError(f"the hub says: {text}")

@@ -1,12 +1,12 @@
 """What a hub and its clients say to each other, the protocol of socketcand, and where a hub is."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from ipaddress import ip_address
 from typing import NamedTuple
 
 from canopen_twins.bus.frame import Frame
-from canopen_twins.bus.identifiers import Cob, classify
+from canopen_twins.bus.identifiers import NODE_IDS, Cob, classify
 from canopen_twins.errors import UserError
 
 LOOPBACK, PORT = "127.0.0.1", 29536  # the port of socketcand
@@ -54,6 +54,10 @@ SEND = re.compile(r"send (?P<id>[0-9A-Fa-f]{1,8}) (?P<length>[0-8])(?P<data>( [0
 SEND_REMOTE = re.compile(r"sendrtr (?P<id>[0-9A-Fa-f]{1,8}) [0-8]")
 FRAME = re.compile(r"frame (?P<id>[0-9A-Fa-f]{3,8}) [0-9.]+(?P<data>( ?[0-9A-Fa-f]{2}){0,8})")
 REMOTE = re.compile(r"rtr (?P<id>[0-9A-Fa-f]{3,8}) [0-9.]+ [0-8]")
+
+OWN = re.compile(r"own (?P<ids>[0-9A-F]{32})")
+UNKNOWN = "error unknown command"
+"""What a socketcand says to a word that is not its own, such as `own`."""
 
 ASKED_FOR = (Cob.TPDO, Cob.HEARTBEAT)  # by remote frames; with that of heartbeats: node guarding
 
@@ -135,6 +139,24 @@ def read_sent(text: str) -> Frame:
     if length != len(data):
         raise Refused(f"{len(data)} bytes of {length}")
     return frame
+
+
+def owning(node_ids: Iterable[int]) -> str:
+    """What a client says of the nodes it has, one bit for each; empty if it has none."""
+    ids = sum(1 << node_id for node_id in set(node_ids) if node_id in NODE_IDS)
+    return f"own {ids:032X}" if ids else ""
+
+
+def read_owning(text: str) -> frozenset[int]:
+    """The node ids of an element that came to the hub.
+
+    Raises:
+        Refused: there are none in it.
+    """
+    if not (match := OWN.fullmatch(text)):
+        raise Refused("no node ids: own and 32 hexadecimal digits, a bit for each")
+    ids = int(match["ids"], 16)
+    return frozenset(node_id for node_id in NODE_IDS if ids >> node_id & 1)
 
 
 def _makes_sense_as_remote(frame: Frame) -> bool:

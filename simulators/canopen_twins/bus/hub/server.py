@@ -18,6 +18,7 @@ from canopen_twins.bus.hub.protocol import (
     Stream,
     delivered,
     element,
+    read_owning,
     read_sent,
 )
 from canopen_twins.errors import UserError
@@ -29,6 +30,14 @@ class Switch:
     def __init__(self) -> None:
         self.clients: dict[Connection, None] = {}  # a set that keeps the order
         self._buses: dict[str, dict[Connection, None]] = {}
+
+    def owner(self, client: "Connection", node_ids: frozenset[int]) -> tuple[int, str] | None:
+        """A node id that somebody else on its bus has already, and who."""
+        others = [each for each in self.clients if each is not client and each.bus == client.bus]
+        for other in others:
+            if both := sorted(other.node_ids & node_ids):
+                return both[0], other.name
+        return None
 
     def join(self, client: "Connection") -> None:
         """Let a client hear its bus from now on."""
@@ -76,6 +85,9 @@ class Connection(asyncio.Protocol):
     def __init__(self, switch: Switch) -> None:
         self.bus = ""
         """Empty while it is on none."""
+        self.node_ids: frozenset[int] = frozenset()
+        """Of its nodes, which nobody else may have on its bus."""
+        self.name = ""
         self._switch = switch
         self._stage = Stage.GREETED
         self._stream = Stream()
@@ -94,7 +106,7 @@ class Connection(asyncio.Protocol):
         transport.set_write_buffer_limits(high=0)  # see `pause_writing`
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
         peer = transport.get_extra_info("peername")  # none if it is gone again
-        self._name = str(HubAddress(*peer[:2])) if peer else "somebody"
+        self.name = str(HubAddress(*peer[:2])) if peer else "somebody"
         if len(self._switch.clients) >= MOST_CLIENTS:
             self._refuse(f"there are {MOST_CLIENTS} clients already")
             return
@@ -132,7 +144,7 @@ class Connection(asyncio.Protocol):
         self._switch.leave(self)
         if self._end is not None:
             self._end.cancel()
-        log.info("%s has gone", self._name)
+        log.info("%s has gone", self.name)
 
     def deliver(self, data: bytes) -> None:
         """Bring it what another client has sent; never waits."""
@@ -174,7 +186,7 @@ class Connection(asyncio.Protocol):
 
     def _check(self, waiting: int) -> None:
         if waiting > MOST_WAITING:
-            log.warning("%s does not read what is on %s: dropped", self._name, self.bus)
+            log.warning("%s does not read what is on %s: dropped", self.name, self.bus)
             self._switch.leave(self)
             self._transport.abort()
 
@@ -190,13 +202,21 @@ class Connection(asyncio.Protocol):
         self.bus, self._stage = match[1], Stage.OPENED
         self._write(element("ok"))
 
+    def _own(self, text: str) -> None:
+        """It has nodes with these ids: a second one with one of them would not do any good."""
+        node_ids = read_owning(text)
+        if (owned := self._switch.owner(self, node_ids)) is not None:
+            raise Refused(f"node {owned[0]} is on {self.bus} already, of {owned[1]}")
+        self.node_ids |= node_ids
+        self._write(element("ok"))
+
     def _join(self, text: str) -> None:
         """Frames are kept back for a moment: python-can has to read this answer all by itself."""
         self._stage, self._settling = Stage.JOINED, bytearray()
         self._write(element("ok"))
         self._switch.join(self)
         asyncio.get_running_loop().call_later(SETTLING, self._settle)
-        log.info("%s is on %s", self._name, self.bus)
+        log.info("%s is on %s", self.name, self.bus)
 
     def _send(self, text: str) -> None:
         self._switch.send(self, read_sent(text))
@@ -214,13 +234,13 @@ class Connection(asyncio.Protocol):
             self._refuse(f"on no bus within {HANDSHAKE:.0f} s")
 
     def _refuse(self, why: str) -> None:
-        log.warning("%s refused: %s", self._name, why)
+        log.warning("%s refused: %s", self.name, why)
         self._write(element(f"error {why}"))
         self.hang_up()
 
     _commands: ClassVar[Mapping[Stage, Mapping[str, Callable[["Connection", str], None]]]] = {
         Stage.GREETED: {"open": _open},
-        Stage.OPENED: {"rawmode": _join, "echo": _echo},
+        Stage.OPENED: {"rawmode": _join, "own": _own, "echo": _echo},
         Stage.JOINED: {"send": _send, "sendrtr": _send, "echo": _echo},
     }
 
