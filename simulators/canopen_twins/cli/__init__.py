@@ -14,6 +14,7 @@ from errno import EDQUOT, EFBIG, ENOSPC
 from functools import partial
 from importlib import import_module
 from importlib.metadata import version
+from textwrap import fill
 
 from canopen_twins.cli.command import (
     INTERRUPTED,
@@ -23,6 +24,7 @@ from canopen_twins.cli.command import (
     Parser,
     add_verbosity,
 )
+from canopen_twins.cli.examples import EXAMPLES
 from canopen_twins.errors import UserError
 
 __all__ = ["main", "parser"]
@@ -66,6 +68,10 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
     },
     "compare": {
         "compare": "hold a trace of real devices against their twins, 1 if they differ",
+    },
+    "shell": {
+        "completion": "print what completes commands, options and devices in a shell",
+        "man": "print the page of the manual",
     },
     "vcan": {
         "vcan": "run a command where there is a real vcan0: here, or in a user-mode Linux guest"
@@ -124,6 +130,11 @@ def _complete(name: str, module: str, parser: Parser) -> None:
     add_verbosity(parser)
     add = f"add_{name.replace('-', '_')}"
     getattr(import_module(f"canopen_twins.cli.{module}"), add)(parser)
+    examples = "".join(f"\n  {PROGRAM} {example}" for example in EXAMPLES[name])
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    told = [fill(parser.epilog)] if parser.epilog else []
+    parser.description = fill(parser.description or "")
+    parser.epilog = "\n\n".join([*told, f"examples:{examples}"])
 
 
 def _refused(why: str) -> int:

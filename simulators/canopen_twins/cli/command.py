@@ -44,15 +44,19 @@ class Parser(OneLineParser):
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Parse, after everything is there."""
-        complete, self.complete = self.complete, None
-        if complete is not None:
-            complete(self)
+        self.fill()
         if self.takes_command:
             args = list(args)
             end = args.index("--") if "--" in args else len(args)
             self.set_defaults(words=args[end + 1 :])
             args = args[:end]
         return super().parse_known_args(args, namespace)
+
+    def fill(self) -> None:
+        """Take what the command has to say, once."""
+        complete, self.complete = self.complete, None
+        if complete is not None:
+            complete(self)
 
 
 def add_verbosity(parser: argparse.ArgumentParser, default: Any = argparse.SUPPRESS) -> None:
@@ -72,6 +76,11 @@ def node_id(text: str) -> int:
     except ValueError:
         told = f"a node id is a whole number of 1..127, such as 5 or 0x05, not {text!r}"
         raise argparse.ArgumentTypeError(told) from None
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """--json."""
+    parser.add_argument("--json", action="store_true", help="for programs")
 
 
 def add_device(parser: Parser, text: str = DEVICE, nargs: str | None = None) -> None:

@@ -7,7 +7,7 @@ from itertools import groupby
 
 from canopen_twins import devices
 from canopen_twins.bus.segment import Segment
-from canopen_twins.cli.command import DEVICE, OK, Parser
+from canopen_twins.cli.command import DEVICE, OK, Parser, add_json
 from canopen_twins.device.device import Device
 from canopen_twins.device.faults import Fault, Parameter
 from canopen_twins.faults import AIM, connect
@@ -21,7 +21,7 @@ def add_faults(parser: Parser) -> None:
     """faults."""
     text = f"{DEVICE}; none: what every device has"
     parser.add_argument("device", metavar="DEVICE", nargs="?", help=text)
-    parser.add_argument("--json", action="store_true", help="for programs")
+    add_json(parser)
     parser.set_defaults(command=faults)
 
 
