@@ -374,3 +374,10 @@ def test_after_a_mere_look_a_device_is_not_asked_for_news():
     assert device.asked == before
     bench.send("605#2B00210007000000")
     assert device.asked > before
+
+
+def test_heartbeats_let_a_device_rest():
+    bench = Bench.of({"probe": Capacitor()})
+    bench.send("605#2B17100064000000")
+    assert bench.run(2.0) == 20 * ["705#7F"]
+    assert bench.device.passed == [("on", 2.0)]

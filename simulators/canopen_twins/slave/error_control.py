@@ -114,7 +114,7 @@ class HeartbeatProducer(Service):
         self._timer = None
         if milliseconds:
             period = self.slave.profile.heartbeat_period(milliseconds)
-            self._timer = self.slave.clock.every(period, self._beat)
+            self._timer = self.slave.clock.every_alone(period, self._beat)
 
     def _beat(self) -> None:
         can_id = identifiers.heartbeat(self.slave.node_id)
