@@ -3,6 +3,7 @@
 from abc import ABC, abstractmethod
 from collections import deque
 
+from canopen_twins.bus.clock import MICROSECONDS, microseconds
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
@@ -50,9 +51,9 @@ class SimulatedBus(Bus):
     def receive(self, seconds: float) -> Frame | None:
         """Let time pass until there is one."""
         clock = self._segment.clock
-        end = clock.now + seconds
-        while not self._heard and clock.now < end:
-            self._segment.advance_to(min(clock.next_deadline, end))
+        end = clock.ticks + microseconds(seconds)
+        while not self._heard and clock.ticks < end:
+            self._segment.advance_to(min(clock.next_tick, end) / MICROSECONDS)
         return self._heard.popleft() if self._heard else None
 
     def _hear(self, frame: Frame, sender: str) -> None:

@@ -1,24 +1,51 @@
 """A conformance test: every topic is played against one slave, and a verdict says how it ended."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from typing import NamedTuple
 
-from canopen_twins.conform import nmt
+from canopen_twins.conform import (
+    dictionary,
+    emcy,
+    error_control,
+    lss,
+    nmt,
+    pdo,
+    rpdo,
+    sdo,
+    store,
+    sync,
+    tpdo,
+)
 from canopen_twins.conform.bus import Bus
 from canopen_twins.conform.tester import Failed, NotApplicable, Slave, Tester
-from canopen_twins.conform.topic import Group, Topic
+from canopen_twins.conform.topic import Group, Topic, numbered
 from canopen_twins.diagnosis.decoder import Decoder
 from canopen_twins.diagnosis.sections import sections, table
 from canopen_twins.errors import UserError
 from canopen_twins.scenario.verdict import Finding, Kind, Outcome, Verdict
 
-GROUPS: tuple[Group, ...] = (*nmt.GROUPS,)
+FILES = (
+    dictionary,
+    sdo,
+    pdo,
+    tpdo,
+    rpdo,
+    emcy,
+    sync,
+    error_control,
+    store,
+    nmt,
+    lss,
+)
+GROUPS: Sequence[Group] = sorted(
+    (group for file in FILES for group in file.GROUPS), key=lambda group: group.number
+)
 
 
 def topics() -> list[Topic]:
     """All of them, in their order."""
-    return [topic for group in GROUPS for topic in group.topics]
+    return list(numbered(GROUPS))
 
 
 class Exemption(NamedTuple):
@@ -67,15 +94,21 @@ def _found(tester: Tester, topic: Topic) -> Finding:
     try:
         topic.play(tester)
     except NotApplicable as reason:
-        source = sections(eds).object((reason.index, 0)) if reason.index else ""
-        source = source or sections(eds).service(topic.service) or "EDS"
-        return Finding(Kind.SKIP, f"not applicable: {reason} ({source})")
+        return Finding(Kind.SKIP, f"not applicable: {reason} ({_source(topic, reason, eds)})")
     except Failed as failure:
         exempt = exemptions(eds).get(topic.number)
         if exempt is not None and str(failure).startswith(exempt.seen):
             return Finding(Kind.SKIP, f"not applicable: {exempt.reason} ({exempt.source})")
         return Finding(Kind.FAIL, str(failure))
     return Finding(Kind.PASS, "as it should be")
+
+
+def _source(topic: Topic, reason: NotApplicable, eds: str) -> str:
+    """Where the manual tells it; the EDS, where there is no manual."""
+    told = sections(eds)
+    if reason.index is None:
+        return told.service(topic.service) or "EDS"
+    return told.object((reason.index, 0)) or told.service("objects") or "EDS"
 
 
 def _scene(tester: Tester) -> str:

@@ -305,9 +305,10 @@ class Tester:
             yield from entries_of(self.slave.dictionary.indices[index]).values()
 
     def size(self, address: Address) -> int:
-        """The bytes of a number by its type in the dictionary, 4 for one that is not there."""
+        """The bytes of a number by its type in the dictionary, 4 for what is none."""
         entry = self.entry(*address)
-        return len(entry.encode_raw(0)) if entry is not None else 4
+        codec = None if entry is None else entry.STRUCT_TYPES.get(entry.data_type or 0)
+        return 4 if codec is None else int(codec.size)
 
     @contextmanager
     def kept(self, *addresses: Address) -> Iterator[None]:

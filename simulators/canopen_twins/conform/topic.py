@@ -1,6 +1,7 @@
 """Topics of a conformance test: what a slave has to do, where that is written, and how it ends."""
 
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
 from canopen_twins.conform.tester import Tester
@@ -18,26 +19,36 @@ class Topic(NamedTuple):
     source: str
     """Where the standard says so."""
     service: str
-    """What the table of sections of a device calls it."""
+    """Of its group."""
     play: Play
 
 
 class Group:
-    """Topics about one thing, in their order; each is a function, numbered as it stands there."""
+    """Topics about one thing, in their order; several groups with one number are counted on."""
 
     def __init__(self, number: int, title: str, service: str) -> None:
+        """`service` is what the table of sections of a device calls it."""
         self.number = number
         self.title = title
-        self.topics: list[Topic] = []
-        self._service = service
+        self.service = service
+        self.plays: list[tuple[Play, str]] = []
 
     def topic(self, source: str) -> Callable[[Play], Play]:
         """Let a function be the next topic of the group; its docstring is the title."""
 
         def add(play: Play) -> Play:
-            number = f"{self.number}.{len(self.topics) + 1}"
-            title = (play.__doc__ or play.__name__).strip().rstrip(".")
-            self.topics.append(Topic(number, title, source, self._service, play))
+            self.plays.append((play, source))
             return play
 
         return add
+
+
+def numbered(groups: Iterable[Group]) -> Iterator[Topic]:
+    """The topics of groups, each with its number."""
+    counts: Counter[int] = Counter()
+    for group in groups:
+        for play, source in group.plays:
+            counts[group.number] += 1
+            number = f"{group.number}.{counts[group.number]}"
+            title = (play.__doc__ or play.__name__).strip().rstrip(".")
+            yield Topic(number, title, source, group.service, play)

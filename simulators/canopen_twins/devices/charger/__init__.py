@@ -43,7 +43,7 @@ from canopen_twins.slave.lss import LssSlave
 
 log = logging.getLogger(__name__)
 
-LED_BAR = (0x2002, 0x1D)
+NODE_ID, LED_BAR = (0x2002, 0x06), (0x2002, 0x1D)
 FACTORY_BIT_TIMING = 4  # 2002h:07h
 TO_MILLI, TO_MICRO = 1e3, 1e6
 LONGEST_REST = 3600.0  # s (A-79)
@@ -147,9 +147,10 @@ class Device(device.Device):
         return chart(self.charger)
 
     def dictionary(self) -> ObjectDictionary:
-        """The EDS of the type and variant, with the heartbeat as delivered (A-01)."""
+        """The EDS of the type and variant, with node id and heartbeat as delivered (A-01)."""
         od = super().dictionary()
         cast(ODVariable, od[HEARTBEAT[0]]).default = self.settings.heartbeat_default_ms
+        cast(ODRecord, od[NODE_ID[0]])[NODE_ID[1]].default = self.settings.node_id
         return od
 
     def pdos(self, slave: Slave) -> Iterable[Service]:
