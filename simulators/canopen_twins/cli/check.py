@@ -2,10 +2,11 @@
 
 import argparse
 import json
+import re
 import sys
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import replace
+from dataclasses import fields, replace
 from os.path import relpath
 from pathlib import Path
 
@@ -14,17 +15,17 @@ from canopen_twins import scenario as rules
 from canopen_twins.bench.bench import Bench
 from canopen_twins.cli.command import OK, SCENARIO, WRONG_INPUT, Parser
 from canopen_twins.device.device import Device
+from canopen_twins.device.settings import about
 from canopen_twins.devices.eds import described
 from canopen_twins.errors import UserError, unknown
-from canopen_twins.files.document import Item, understand
+from canopen_twins.files.document import LARGEST_FILE, Item, understand
 from canopen_twins.files.shipped import scenario_file, scenarios
-
-BENCH_KEYS = {"version", "note", "nodes"}
+from canopen_twins.files.whole import read_plain
 
 
 def add_check(parser: Parser) -> None:
     """check."""
-    text = f"a scenario ({SCENARIO}), a bench or device file, or an EDS, DCF, XDD or XDC file"
+    text = f"a scenario ({SCENARIO}), a bench or device file, one that a setting names, or an EDS"
     parser.add_argument("files", nargs="+", metavar="FILE", help=text)
     parser.set_defaults(command=check)
 
@@ -56,11 +57,29 @@ def _remarks(name: str) -> Sequence[str]:
         kind, eds = _described(path)
         Bench(kind)  # it boots
         return [remark.told(eds) for remark in described(eds).remarks]
-    if path.exists() and understand(path, _is_bench):
+    if path.is_dir():
+        raise UserError(f"{name} is a directory: name the files in it, such as {path / '*.yaml'}")
+    if owner := _owner(path):
+        device, setting = owner
+        devices.create(device, **{setting: name})
+    elif path.exists() and understand(path, _is_bench):
         rules.load_bench(path)
     else:
         load(name)
     return ()
+
+
+def _owner(path: Path) -> tuple[str, str] | None:
+    """The device and its setting that a file is for, by what it says; None if for none."""
+    if not path.is_file():
+        return None
+    text = read_plain(path, LARGEST_FILE).decode("utf-8", "replace")
+    for device in devices.names():
+        for entry in fields(devices.find(device).settings):
+            pattern = about(entry).file
+            if pattern and re.search(pattern, text, re.MULTILINE):
+                return device, entry.name
+    return None
 
 
 def _described(path: Path) -> tuple[type[Device], Path]:
@@ -76,7 +95,7 @@ def _described(path: Path) -> tuple[type[Device], Path]:
 
 def _is_bench(file: Item) -> bool:
     """Whether all that it says is what bench files say, which have no steps."""
-    return "nodes" in file.pairs and file.pairs.keys() <= BENCH_KEYS
+    return "nodes" in file.pairs and "steps" not in file.pairs
 
 
 def _counted(remarks: Sequence[str]) -> str:

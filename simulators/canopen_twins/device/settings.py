@@ -23,6 +23,7 @@ def setting(  # noqa: PLR0913 - each is a word about one setting
     live: bool = False,
     low: float = -inf,
     high: float = inf,
+    file: str = "",
 ) -> Any:
     """A field of a settings dataclass.
 
@@ -34,8 +35,11 @@ def setting(  # noqa: PLR0913 - each is a word about one setting
         live: Whether it may change while the device runs (`set` in a scenario).
         low: The least number it takes.
         high: The greatest.
+        file: For the path of a file: a regular expression, multi-line, for what no other kind of
+            file says, so that `canopen-twin check FILE` knows whose it is.
     """
-    return field(default=default, metadata={"about": About(text, unit, assumed, live, low, high)})
+    told = About(text, unit, assumed, live, low, high, file)
+    return field(default=default, metadata={"about": told})
 
 
 @dataclass(frozen=True)
@@ -48,6 +52,7 @@ class About:
     live: bool = False
     low: float = -inf
     high: float = inf
+    file: str = ""
 
     @property
     def range(self) -> str:

@@ -39,7 +39,10 @@ class Settings(NodeSettings):
         assumed="A-20",
     )
     messages: str = setting(
-        "", "YAML file with the numbers of chapters 6.1 and 6.2 instead of ours", assumed="A-37"
+        "",
+        "YAML file with the numbers of chapters 6.1 and 6.2 instead of ours",
+        assumed="A-37",
+        file=r"^format: charger_messages/",
     )
     firmware: str = setting("0100", "0x100A, four characters", assumed="A-06")
     product_code: int = setting(1, "0x1018:2", assumed="A-33", low=0, high=UNSIGNED32)

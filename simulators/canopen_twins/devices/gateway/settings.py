@@ -18,14 +18,21 @@ class Settings(TimingSettings):
         "",
         "YAML file with parameters of both units, or the name of one that is shipped; what DcDesk"
         " has saved wins",
+        file=r"^(gateway|governor):",
     )
 
     # what the manual leaves to other manuals
     scaling: str = setting(
-        "", "CSV file with internal value ranges instead of ours", assumed="A-18"
+        "",
+        "CSV file with internal value ranges instead of ours",
+        assumed="A-18",
+        file=r"\Anumber,full_scale,",
     )
     error_bits: str = setting(
-        "", "YAML file with the meaning of 2000h instead of ours", assumed="A-13, A-33"
+        "",
+        "YAML file with the meaning of 2000h instead of ours",
+        assumed="A-13, A-33",
+        file=r"^error bits:",
     )
     governor_cycle: float = setting(
         0.015625, "main cycle of the governor", unit="s", assumed="A-43", low=0.000125

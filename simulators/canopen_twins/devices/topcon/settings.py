@@ -41,7 +41,7 @@ class Settings(NodeSettings):
 
     # the unit
     unit: str = setting("TCP-32-400", "unit type, a name of the unit file", assumed="A-77")
-    unit_file: str = setting("", "YAML file with further unit types")
+    unit_file: str = setting("", "YAML file with further unit types", file=r"^types:")
     units: int = setting(1, "units of a system of which this is the master", assumed="A-74", low=1)
     connection: Literal["parallel", "series"] = setting("parallel", "of the units of a system")
     hardware_version: str = setting("V4.x", "0x1009", assumed="A-18")
