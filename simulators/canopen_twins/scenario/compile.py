@@ -44,6 +44,7 @@ from canopen_twins.scenario.scenario import (
     EndsWith,
     Moment,
     NodeSpec,
+    Recovery,
     Scenario,
     Step,
 )
@@ -90,6 +91,8 @@ def _scenario(file: schema.ScenarioFile, path: Path, find: Find) -> Scenario:
         note=file.note,
         nodes=participants.specs,
         steps=_steps(file.steps, participants, lasts),
+        disturbances=_disturbances(file.disturbances or [], participants),
+        recovers=_recovers(file, participants),
         cleanup=_steps(file.cleanup or [], participants, 0.0),
         covers=tuple(file.covers or ()),
         seed=DEFAULT_SEED if file.seed is None else file.seed,
@@ -127,6 +130,34 @@ def _steps(
     if right and right[0].place.problems.none:
         _check_length([step.place for step in right], compiler.steps, duration)
     return tuple(compiler.steps)
+
+
+def _disturbances(
+    given: Sequence[schema.Disturbance | None], participants: Participants
+) -> tuple[Step, ...]:
+    found = []
+    for each in (each for each in given if each is not None):
+        place = each.place
+        with place.problems.at(place):
+            action = _action(each, participants)
+            node = participants.rehearsal(each.node, place).name
+            if each.when is not None:
+                moment: Moment = _condition(each.when, each.node, participants)
+            elif each.at is not None:
+                moment = At(each.at)
+            else:
+                raise Reported
+            found.append(Step(moment, node, action, each.note, place.line))
+    return tuple(found)
+
+
+def _recovers(file: schema.ScenarioFile, participants: Participants) -> Recovery | None:
+    if (said := file.recovers) is None:
+        return None
+    with said.place.problems.at(said.place):
+        condition = _condition(said.when, None, participants)
+        return Recovery(condition, said.within, said.place.line)
+    return None
 
 
 class Compiler:
@@ -186,9 +217,9 @@ class Compiler:
 # What a step does: a verb is an entry, called with what is behind it, the step, and who takes part
 
 
-def _action(step: schema.AnyStep, participants: Participants) -> Action:
+def _action(step: schema.Change, participants: Participants) -> Action:
     for verb, action in VERBS.items():
-        if (value := getattr(step, verb)) is not None:
+        if (value := getattr(step, verb, None)) is not None:
             with step.item_of(verb).blamed():
                 return action(value, step, participants)
     if step.place.pairs.keys() & {*VERBS} or "when" not in step.place.pairs:
@@ -196,7 +227,7 @@ def _action(step: schema.AnyStep, participants: Participants) -> Action:
     return Wait()
 
 
-def _node(step: schema.AnyStep, participants: Participants) -> Rehearsal:
+def _node(step: schema.Change, participants: Participants) -> Rehearsal:
     return participants.rehearsal(step.node, step.place)
 
 
@@ -232,7 +263,7 @@ def _nmt(command: int, step: schema.AnyStep, participants: Participants) -> Acti
 
 
 def _power(
-    switch: Callable[[Node], None], step: schema.AnyStep, participants: Participants
+    switch: Callable[[Node], None], step: schema.Change, participants: Participants
 ) -> Action:
     _node(step, participants)
     return Power(switch)
@@ -240,7 +271,7 @@ def _power(
 
 def _inject(
     faults: Item | Mapping[Item, Mapping[Item, Item]],
-    step: schema.AnyStep,
+    step: schema.Change,
     participants: Participants,
 ) -> Action:
     node = _node(step, participants)
@@ -284,10 +315,11 @@ VERBS: Mapping[str, Callable[..., Action]] = {
 # What is waited for or expected
 
 
-def _condition(said: schema.Condition, node: Item | None, participants: Participants) -> Condition:
+def _condition(said: schema.Seen, node: Item | None, participants: Participants) -> Condition:
     """At the node that is named there, otherwise at the one given."""
     rehearsal = participants.rehearsal(said.node or node, said.place)
-    return Condition(_sign(said, rehearsal), rehearsal.name, said.nth)
+    nth = said.nth if isinstance(said, schema.Condition) else 1
+    return Condition(_sign(said, rehearsal), rehearsal.name, nth)
 
 
 def _sign(said: schema.Sign, node: Rehearsal) -> Matcher:

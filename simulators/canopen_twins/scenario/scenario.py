@@ -65,6 +65,16 @@ class Step:
 
 
 @dataclass(frozen=True)
+class Recovery:
+    """What has to be so again in time; its moment is when everything has healed."""
+
+    condition: Condition
+    seconds: float
+    line: int
+    """Of the file."""
+
+
+@dataclass(frozen=True)
 class Scenario:
     """Who takes part, and what happens when."""
 
@@ -75,6 +85,10 @@ class Scenario:
     steps: tuple[Step, ...]
     cleanup: tuple[Step, ...] = ()
     """Carried out in the end, whatever came of the steps; the first one's moment is `After`."""
+    disturbances: tuple[Step, ...] = ()
+    """Each by itself; its moment, `At` or a condition from the beginning on, need not come."""
+    recovers: Recovery | None = None
+    """When all has healed, at the end of `duration`."""
     covers: tuple[str, ...] = ()
     """The statements it is about."""
     seed: int = 1
@@ -91,3 +105,10 @@ class Scenario:
     """Who is tested; None: whoever is on the bus, or nobody."""
     master_line: int = 1
     """Of the file, where it stands; its first one if somebody else has named it."""
+
+    @property
+    def length(self) -> float | None:
+        """Seconds that the run lasts at least: `duration`, and the time to be back after it."""
+        if self.recovers is None or self.duration is None:
+            return self.duration
+        return self.duration + self.recovers.seconds

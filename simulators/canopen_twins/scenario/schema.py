@@ -178,15 +178,20 @@ class Never(Sign):
     rules = (one_of("to look for", KINDS, "never"), beside("from", ("frame",)))
 
 
-class Condition(Sign):
-    """One thing that is waited for."""
+class Seen(Sign):
+    """One thing that is waited for, of a node."""
 
     rules = (one_of("to wait for", KINDS, "a condition"), beside("from", ("frame",)))
 
-    nth: Annotated[int, whole(1, MOST_TIMES)] = 1
-    """Which time it is seen; the first if it is left out."""
     node: Name | None = None
     """Of which node; that of the step if it is left out."""
+
+
+class Condition(Seen):
+    """One thing that is waited for, again and again."""
+
+    nth: Annotated[int, whole(1, MOST_TIMES)] = 1
+    """Which time it is seen; the first if it is left out."""
 
 
 class Expect(Sign):
@@ -227,16 +232,40 @@ Faults = Annotated[
 ]
 
 
-class AnyStep(Table):
+class Change(Table):
+    """What is done to a node, and to which."""
+
+    node: Name | None = None
+    """The node it is about; may be left out where there is one node, and beside `send`."""
+    note: Text = ""
+    """Why it is there; free text, shown where something did not come as expected."""
+    set: Named[Scalar] | None = None
+    """Changes settings that may change while it runs; of a file's device also its objects."""
+    power: Annotated[Callable[[Twin], None], word("position of the supply", SWITCHES)] | None = None
+    """Switches the supply of the node on or off."""
+    inject: Faults | None = None
+    """Lets something go wrong: a fault by its name, with parameters if it has some."""
+    lasts: SomeSeconds | None = Field(None, alias="for")
+    """Seconds after which the fault is cleared."""
+    until: Condition | None = None
+    """What happens when the fault is cleared."""
+
+
+HEALING: tuple[Rule, ...] = (
+    beside("for", ("inject",)),
+    beside("until", ("inject",)),
+    apart(("for", "until")),
+)
+
+
+class AnyStep(Change):
     """What is done, and to which node; a step of the cleanup says no more than this."""
 
     rules: ClassVar[tuple[Rule, ...]] = (
         one_of("to do", VERBS),
         beside("abort", ("write", "read")),
         beside("timeout", ("write", "read")),
-        beside("for", ("inject",)),
-        beside("until", ("inject",)),
-        apart(("for", "until")),
+        *HEALING,
         beside("every", ("times",)),
         beside("times", ("every",)),
     )
@@ -247,12 +276,6 @@ class AnyStep(Table):
     """Seconds from one repetition to the next; how many there are says `times`."""
     times: Annotated[int, whole(1, MOST_TIMES)] = 1
     """How often it is carried out altogether, the first time at its moment."""
-    node: Name | None = None
-    """The node it is about; may be left out where there is one node, and beside `send`."""
-    note: Text = ""
-    """Why it is there; free text, shown where something did not come as expected."""
-    set: Named[Scalar] | None = None
-    """Changes settings that may change while it runs; of a file's device also its objects."""
     write: Named[Scalar] | None = None
     """Writes objects by SDO, one after the other, as a master does."""
     read: Values | None = None
@@ -265,18 +288,34 @@ class AnyStep(Table):
     """Puts a frame on the bus, as cansend writes it."""
     nmt: Command | None = None
     """Commands the node as the NMT master."""
-    power: Annotated[Callable[[Twin], None], word("position of the supply", SWITCHES)] | None = None
-    """Switches the supply of the node on or off."""
-    inject: Faults | None = None
-    """Lets something go wrong: a fault by its name, with parameters if it has some."""
-    lasts: SomeSeconds | None = Field(None, alias="for")
-    """Seconds after which the fault is cleared."""
-    until: Condition | None = None
-    """What happens when the fault is cleared."""
     clear: Name | None = None
     """Takes a fault away, or `all` of them."""
     expect: Expect | None = None
     """Watches, and decides."""
+
+
+class Disturbance(Change):
+    """What goes wrong beside the steps, at a moment of its own; it need not come."""
+
+    rules = (
+        one_of("to go wrong", ("inject", "set", "power"), "a disturbance"),
+        one_of("says when", ("at", "when"), "a disturbance"),
+        *HEALING,
+    )
+
+    at: Seconds | None = None
+    """Seconds since the beginning."""
+    when: Condition | None = None
+    """At the moment it happens; watched for from the beginning on."""
+
+
+class Recovers(Table):
+    """What has to be so again when everything has healed, and the time for it."""
+
+    within: SomeSeconds
+    """Seconds from the end of `duration` on, or from the end of the boot time of a node then."""
+    when: Seen
+    """What has to be seen by then; values of objects have to be so at the end of that time."""
 
 
 class Step(AnyStep):
@@ -337,7 +376,10 @@ class ScenarioFile(FileOfNodes):
     """Twins and what happens to them; it is played and judged."""
 
     model_config = ConfigDict(title="Scenario")
-    rules = (one_of("says who takes part", ("node", "nodes"), "a scenario"),)
+    rules = (
+        one_of("says who takes part", ("node", "nodes"), "a scenario"),
+        beside("recovers", ("duration",)),
+    )
 
     name: Text = ""
     """What happens, in a few words."""
@@ -361,5 +403,11 @@ class ScenarioFile(FileOfNodes):
     """Who takes part, if it is more than one, by names of your own."""
     steps: Annotated[Listed[IfRight[Step]], Field(max_length=MOST_STEPS)]
     """What happens, in the order of time."""
+    disturbances: Annotated[Listed[IfRight[Disturbance]], Field(max_length=MOST_STEPS)] | None = (
+        None
+    )
+    """What goes wrong meanwhile, each by itself, in any order."""
+    recovers: Recovers | None = None
+    """At the end of `duration` every disturbance heals, and the master has to be back in time."""
     cleanup: Annotated[Listed[IfRight[AnyStep]], Field(max_length=MOST_STEPS)] | None = None
     """Steps that are carried out in the end, whatever came of the others."""
