@@ -60,7 +60,7 @@ class PythonMaster:
 
     @classmethod
     def beside(cls, name: str, file: Path) -> PythonMaster:
-        """One of a file: looked for from the working directory, and beside the file.
+        """One of a file: looked for from the working directory, beside the file, and above it.
 
         Raises:
             UserError: the name is none.
@@ -69,7 +69,8 @@ class PythonMaster:
         words = [*module.split("."), *function.split(".")]
         if not colon or not all(map(str.isidentifier, words)):
             raise UserError(f"master {name!r}: write it as MODULE:FUNCTION, such as my_master:main")
-        return cls(name, (Path.cwd(), file.resolve().parent))
+        folder = file.resolve().parent
+        return cls(name, (Path.cwd(), folder, folder.parent))
 
     def check(self) -> None:
         """See whether it can be run.

@@ -56,6 +56,9 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
         "conform": "play the topics of a conformance test against a slave: a twin in simulated "
         "time, or whatever is on a bus"
     },
+    "hunt": {
+        "hunt": "search for faults that a master does not survive: each find is a scenario file"
+    },
     "check": {
         "check": "say what is wrong with scenarios, bench files and EDS files",
         "schema": "print the JSON Schema of scenarios, bench files or device files, for editors",

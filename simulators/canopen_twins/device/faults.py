@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf, isfinite
-from typing import Any
+from typing import Any, NamedTuple
 
 from canopen_twins.errors import UserError, unknown
 from canopen_twins.files.convert import convert
@@ -64,6 +64,18 @@ KINDS: Mapping[type, str] = {
     object: "number or text",
 }
 """What a parameter is, in words."""
+WEATHERS = ("mild", "rough", "hostile")
+
+
+class Weather(NamedTuple):
+    """From which weather on a fault is to be expected, and why; a hunt asks for it."""
+
+    least: str = "rough"
+    """One of `WEATHERS`."""
+    why: str = "devices fail now and then"
+
+
+USUAL = Weather()
 
 
 @dataclass(frozen=True)
@@ -71,7 +83,7 @@ class Parameter:
     """One parameter of a fault: what it means, and its value when nobody says otherwise.
 
     A parameter without default has to be given. A number has to be in `low`..`high`; one of kind
-    `object` is a number or a text.
+    `object` is a number or a text. `examples` are what a hunt tries where the range does not tell.
     """
 
     text: str
@@ -79,6 +91,7 @@ class Parameter:
     kind: type[int] | type[float] | type[str] | type[object] = float
     low: float = -inf
     high: float = inf
+    examples: tuple[int | float | str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -98,6 +111,7 @@ class Fault:
     sees: str = ""
     """What a master should see of it, if the text does not say so."""
     over: Callable[[], bool] = lambda: False
+    weather: Weather = USUAL
 
     @property
     def declaration(self) -> Mapping[str, object]:

@@ -14,6 +14,7 @@ from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.wire import Filter, Onward
 from canopen_twins.device.faults import Fault, Parameter
 from canopen_twins.device.node import Node
+from canopen_twins.faults.weather import WEATHER
 from canopen_twins.slave.slave import Slave
 
 AIM: Mapping[str, Parameter] = {
@@ -280,4 +281,4 @@ def fault(name: str, type: FaultType, level: str, place: Place) -> Fault:
     def over() -> bool:
         return all(disturbance.over for disturbance in running)
 
-    return Fault(type.text, inject, clear, type.parameters, level, type.sees, over)
+    return Fault(type.text, inject, clear, type.parameters, level, type.sees, over, WEATHER[name])

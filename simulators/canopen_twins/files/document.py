@@ -250,16 +250,21 @@ class Item:
         return self.node
 
 
-def understand(path: Path, mean: Callable[[Item], Meaning]) -> Meaning:
+def understand(path: Path, mean: Callable[[Item], Meaning], text: str | None = None) -> Meaning:
     """What a file means; `mean` may put what is wrong among the problems of an item, and go on.
+
+    Args:
+        path: Of the file.
+        mean: What it means.
+        text: What would stand in it; None: what does.
 
     Raises:
         DocumentError: with a line for everything that is wrong, each with its place; the file
             cannot be read, is too large, or is no YAML.
     """
-    text, problems = _text(path), Problems(path)
+    problems = Problems(path)
     try:
-        item = Item(compose(text), problems)
+        item = Item(compose(_text(path) if text is None else text), problems)
     except Mistake as mistake:
         problems.add(mistake, mistake.mark)
         raise problems.error from mistake

@@ -220,16 +220,19 @@ Listed = Annotated[list[Anything], BeforeValidator(lambda item: item.items)]
 
 
 def understand_table(
-    path: Path, kind: type[AnyTable], mean: Callable[[AnyTable], Meaning]
+    path: Path,
+    kind: type[AnyTable],
+    mean: Callable[[AnyTable], Meaning],
+    text: str | None = None,
 ) -> Meaning:
-    """What a file means that is such a table; raises as `understand` does."""
+    """What a file means that is such a table; takes and raises as `understand` does."""
 
     def meaning(item: Item) -> Meaning:
         if (table := _if_right(item, kind.model_validate)) is None:
             raise Reported
         return mean(table)
 
-    return understand(path, meaning)
+    return understand(path, meaning, text)
 
 
 class _Generate(GenerateJsonSchema):

@@ -46,6 +46,7 @@ from canopen_twins.scenario.scenario import (
     NodeSpec,
     Recovery,
     Scenario,
+    Space,
     Step,
 )
 from canopen_twins.scenario.schema import ANY, NONE
@@ -61,13 +62,15 @@ DECIMAL_CODE = re.compile(r"[1-9][0-9]{3}")
 ALL_FAULTS = "all"
 
 
-def read_scenario(path: Path, find: Find) -> Scenario:
-    """The scenario of a file.
+def read_scenario(path: Path, find: Find, text: str | None = None) -> Scenario:
+    """The scenario of a file, or of what would stand in it.
 
     Raises:
         DocumentError: with a line for everything that is wrong.
     """
-    return understand_table(path, schema.ScenarioFile, lambda file: _scenario(file, path, find))
+    return understand_table(
+        path, schema.ScenarioFile, lambda file: _scenario(file, path, find), text
+    )
 
 
 def read_bench(path: Path, find: Find) -> Mapping[str, NodeSpec]:
@@ -93,6 +96,7 @@ def _scenario(file: schema.ScenarioFile, path: Path, find: Find) -> Scenario:
         steps=_steps(file.steps, participants, lasts),
         disturbances=_disturbances(file.disturbances or [], participants),
         recovers=_recovers(file, participants),
+        space=_space(file, participants),
         cleanup=_steps(file.cleanup or [], participants, 0.0),
         covers=tuple(file.covers or ()),
         seed=DEFAULT_SEED if file.seed is None else file.seed,
@@ -158,6 +162,27 @@ def _recovers(file: schema.ScenarioFile, participants: Participants) -> Recovery
         condition = _condition(said.when, None, participants)
         return Recovery(condition, said.within, said.place.line)
     return None
+
+
+def _space(file: schema.ScenarioFile, participants: Participants) -> Space:
+    if (said := file.space) is None:
+        return Space(file.weather)
+    for name in [*(said.faults or ()), *(said.without or ())]:
+        with name.problems.at(name):
+            name.one_of("fault", participants.faults)
+    for name in said.settings or ():
+        with name.problems.at(name):
+            name.one_of("setting", participants.settings)
+    return Space(
+        file.weather,
+        None if said.faults is None else tuple(name.text for name in said.faults),
+        tuple(name.text for name in said.without or ()),
+        said.most,
+        {
+            name.text: tuple(value.value for value in values)
+            for name, values in (said.settings or {}).items()
+        },
+    )
 
 
 class Compiler:

@@ -13,20 +13,21 @@ if TYPE_CHECKING:
     from canopen_twins.scenario.rehearsal import Find
 
 
-def load(path: str | Path, find: Find = devices.find) -> Scenario:
+def load(path: str | Path, find: Find = devices.find, text: str | None = None) -> Scenario:
     """The scenario of a file.
 
     Args:
         path: Of the file.
         find: The class of a device by its name, or by the path of a file that describes one; raises
             `UserError` if there is none.
+        text: What would stand in the file; None: what does.
 
     Raises:
         ScenarioError: with a line for everything that is wrong.
     """
     from canopen_twins.scenario.compile import read_scenario  # noqa: PLC0415
 
-    return read_scenario(Path(path), find)
+    return read_scenario(Path(path), find, text)
 
 
 def load_bench(path: Path, find: Find = devices.find) -> Mapping[str, NodeSpec]:

@@ -55,6 +55,8 @@ class Player:
             if name not in nodes:
                 raise UserError(f"{scenario.file} is about a {name}; here is {', '.join(nodes)}")
         self.scenario = scenario
+        self.ended: Ended | None = None
+        """How the master of the file has ended, if otherwise than by returning."""
         self._segment = segment
         self._clock = segment.clock
         self._nodes = {name: nodes[name] for name in scenario.nodes}
@@ -152,6 +154,7 @@ class Player:
         """The master of the file has ended otherwise than by returning."""
         scenario = self.scenario
         assert scenario.master is not None
+        self.ended = ended
         kind = Kind.FAIL if ended.its_own else Kind.ERROR
         step = Step(At(0), "", RunMaster(scenario.master.name), "", scenario.master_line)
         self._log.decide(step, Finding(kind, ended.words))

@@ -3,7 +3,7 @@
 What it refuses is pointed at there, so that a typo never reaches the bus.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -71,6 +71,11 @@ class Rehearsal:
             self._faults.clear(name.text)
         return taken
 
+    @property
+    def faults(self) -> Collection[str]:
+        """What can go wrong with it."""
+        return self._faults.known
+
     def clear(self, fault: str | None) -> None:
         """One fault, or all of them.
 
@@ -126,6 +131,16 @@ class Participants:
         if not names or names[0] not in self._rehearsals:
             raise Reported
         return self._rehearsals[names[0]]
+
+    @property
+    def faults(self) -> set[str]:
+        """What can go wrong with any of them."""
+        return {name for each in self._rehearsals.values() for name in each.faults}
+
+    @property
+    def settings(self) -> set[str]:
+        """What can be chosen of any of them."""
+        return {name for spec in self.specs.values() for name in _settings(spec.device)}
 
     def _spec(self, node: schema.Node) -> NodeSpec:
         name = node.device.text

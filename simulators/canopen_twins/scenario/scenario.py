@@ -1,9 +1,10 @@
 """A scenario as it is played: nodes, and steps with their moments."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
+from typing import Any
 
 from canopen_twins.bench.python_master import PythonMaster
 from canopen_twins.device.device import Device
@@ -75,6 +76,20 @@ class Recovery:
 
 
 @dataclass(frozen=True)
+class Space:
+    """What a hunt lets go wrong, as far as the file says so."""
+
+    weather: str = "rough"
+    faults: tuple[str, ...] | None = None
+    """These alone; None: those of the weather."""
+    without: tuple[str, ...] = ()
+    most: int | None = None
+    """At once; None: as the weather has it."""
+    settings: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
+    """Values by the names of settings."""
+
+
+@dataclass(frozen=True)
 class Scenario:
     """Who takes part, and what happens when."""
 
@@ -101,6 +116,8 @@ class Scenario:
     """In bit/s, for the simulated bus; None: frames take no time."""
     bit_rate_line: int = 0
     """Of the file, where it stands."""
+    space: Space = Space()
+    """What a hunt lets go wrong."""
     master: PythonMaster | None = None
     """Who is tested; None: whoever is on the bus, or nobody."""
     master_line: int = 1

@@ -10,6 +10,7 @@ from typing import Annotated, ClassVar
 from pydantic import ConfigDict, Discriminator, Field, Tag
 
 from canopen_twins.bus.frame import Frame, pattern
+from canopen_twins.device.faults import WEATHERS
 from canopen_twins.device.node import Node as Twin
 from canopen_twins.device.timing import PRESETS
 from canopen_twins.files.document import Item
@@ -372,6 +373,19 @@ class BenchFile(FileOfNodes):
     """Who is on the bus, by names of your own."""
 
 
+class Space(Table):
+    """What a hunt tries, beside what the devices declare."""
+
+    faults: Listed[Name] | None = None
+    """These and no others, by their names, whatever the weather."""
+    without: Listed[Name] | None = None
+    """None of these."""
+    most: Annotated[int, whole(1, 3)] | None = None
+    """How many go wrong in one run at most: 1 in mild weather, 2 in rough, 3 in hostile."""
+    settings: Named[Listed[Scalar]] | None = None
+    """Values for settings of the nodes that have them, at power-on and, where they may, later."""
+
+
 class ScenarioFile(FileOfNodes):
     """Twins and what happens to them; it is played and judged."""
 
@@ -409,5 +423,9 @@ class ScenarioFile(FileOfNodes):
     """What goes wrong meanwhile, each by itself, in any order."""
     recovers: Recovers | None = None
     """At the end of `duration` every disturbance heals, and the master has to be back in time."""
+    weather: Annotated[str, word("weather", {name: name for name in WEATHERS})] = "rough"
+    """What `hunt` lets go wrong: mild, rough or hostile."""
+    space: Space | None = None
+    """More of what `hunt` lets go wrong, or less."""
     cleanup: Annotated[Listed[IfRight[AnyStep]], Field(max_length=MOST_STEPS)] | None = None
     """Steps that are carried out in the end, whatever came of the others."""

@@ -1,0 +1,1 @@
+"""Many runs of one contract: the search for what breaks a master."""

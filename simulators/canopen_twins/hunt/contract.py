@@ -1,0 +1,162 @@
+"""A contract and a plan for one run of it: together they are a scenario, as text and as such.
+
+Whatever a hunt plays is the text that it would write as a find, so that a find is no translation.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from canopen_twins import devices
+from canopen_twins.errors import UserError
+from canopen_twins.files.document import compose
+from canopen_twins.files.whole import read_plain
+from canopen_twins.files.writer import node_of, write_yaml
+from canopen_twins.scenario import Scenario, load
+from canopen_twins.scenario.rehearsal import BESIDE
+
+LARGEST = 256 * 1024  # bytes
+OF_A_HUNT = ("weather", "space")
+LAST = ("steps", "disturbances", "recovers", "cleanup")
+
+Disturbance = Mapping[str, Any]
+"""As it stands in a file: plain values by their keys."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What goes wrong in one run, and what else is different in it."""
+
+    disturbances: tuple[Disturbance, ...] = ()
+    settings: tuple[tuple[str, str, Any], ...] = ()
+    """At delivery: the name of a node, of a setting, and its value."""
+    heals: bool = True
+    """Whether everything heals, so that the master has to be back."""
+    left_out: tuple[int, ...] = ()
+    """Steps of the contract that are not carried out, counted from 0."""
+
+    @property
+    def key(self) -> str:
+        """What makes it this one."""
+        wrong = sorted(repr(each) for each in self.disturbances)
+        return repr((wrong, sorted(map(repr, self.settings)), self.heals, self.left_out))
+
+    @property
+    def size(self) -> int:
+        """How many things are beyond the contract."""
+        return len(self.disturbances) + len(self.settings)
+
+    @property
+    def faults(self) -> tuple[str, ...]:
+        """What goes wrong, by name."""
+        return tuple(map(what, self.disturbances))
+
+
+def what(disturbance: Disturbance) -> str:
+    """What goes wrong, in a word: the fault, or what is done."""
+    if "inject" in disturbance:
+        told = disturbance["inject"]
+        return told if isinstance(told, str) else next(iter(told))
+    return "power" if "power" in disturbance else f"set {', '.join(disturbance['set'])}"
+
+
+@dataclass(frozen=True)
+class Contract:
+    """A file, and who is tested, `MODULE:FUNCTION`; empty: the master of the file."""
+
+    file: Path
+    master: str = ""
+
+    def text(
+        self, plan: Plan, named: Mapping[str, object] | None = None, folder: Path | None = None
+    ) -> str:
+        """The file of a run: its `named` keys go before those of the contract.
+
+        With a folder it is to lie there: its paths begin there, and it is about one run alone.
+
+        Raises:
+            UserError: the file cannot be read, or is no YAML of ours.
+        """
+        pairs = dict(_pairs(self.file, _stamp(self.file)))
+        for key, value in (named or {}).items():
+            pairs[key] = node_of(value)
+        if self.master:
+            pairs["master"] = node_of(self.master)
+        if plan.left_out and isinstance(steps := pairs.get("steps"), yaml.SequenceNode):
+            kept = [each for n, each in enumerate(steps.value) if n not in plan.left_out]
+            pairs["steps"] = yaml.SequenceNode("", kept)
+        if plan.disturbances:
+            before = pairs.get("disturbances", yaml.SequenceNode("", []))
+            added = [node_of(each) for each in plan.disturbances]
+            pairs["disturbances"] = yaml.SequenceNode("", [*before.value, *added])
+        for name, key, value in plan.settings:
+            _deliver(pairs, name, key, node_of(value))
+        if folder is not None:
+            pairs = {key: value for key, value in pairs.items() if key not in OF_A_HUNT}
+            beside = partial(_beside, self.file.resolve().parent, folder.resolve())
+            pairs |= {key: beside(pairs[key]) for key in ("node", "nodes") if key in pairs}
+        if not plan.heals:
+            pairs.pop("recovers", None)
+        order = [key for key in pairs if key not in LAST] + [key for key in LAST if key in pairs]
+        return write_yaml(node_of({key: pairs[key] for key in order}))
+
+    def scenario(self, plan: Plan) -> Scenario:
+        """A run of it.
+
+        Raises:
+            UserError: it says what cannot be.
+        """
+        return load(self.file, text=self.text(plan))
+
+    @property
+    def steps(self) -> int:
+        """How many steps it has."""
+        steps = _pairs(self.file, _stamp(self.file)).get("steps")
+        return len(steps.value) if isinstance(steps, yaml.SequenceNode) else 0
+
+
+def _stamp(file: Path) -> int:
+    return file.stat().st_mtime_ns if file.is_file() else 0
+
+
+@lru_cache(maxsize=8)
+def _pairs(file: Path, stamp: int) -> Mapping[str, yaml.Node]:
+    node = compose(read_plain(file, LARGEST).decode("utf-8", "replace"))
+    if not isinstance(node, yaml.MappingNode):
+        raise UserError(f"{file} is no scenario")
+    return {key.value: value for key, value in node.value}
+
+
+def _deliver(pairs: dict[str, yaml.Node], name: str, key: str, value: yaml.Node) -> None:
+    """Let a node be delivered with a setting."""
+    path = (key,) if key in BESIDE else ("settings", key)
+    if "node" in pairs:
+        pairs["node"] = _with(pairs["node"], path, value)
+    else:
+        pairs["nodes"] = _with(pairs["nodes"], (name, *path), value)
+
+
+def _beside(here: Path, there: Path, node: yaml.Node) -> yaml.Node:
+    """The same nodes, with the paths of devices as they are from another folder."""
+    if not isinstance(node, yaml.MappingNode):
+        return node
+    pairs = {key.value: _beside(here, there, value) for key, value in node.value}
+    if isinstance(told := pairs.get("device"), yaml.ScalarNode) and devices.is_file(told.value):
+        pairs["device"] = node_of(os.path.relpath(here / told.value, there))
+    return node_of(pairs)
+
+
+def _with(node: yaml.Node, path: Sequence[str], value: yaml.Node) -> yaml.Node:
+    """The same mapping, with another value behind a path of keys."""
+    pairs = {key.value: inner for key, inner in node.value}
+    first, *others = path
+    inner = pairs.get(first, yaml.MappingNode("", []))
+    pairs[first] = _with(inner, others, value) if others else value
+    return node_of(pairs)

@@ -1,0 +1,155 @@
+"""A find: a scenario file that fails in the same way in every process, with a note in words."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+from canopen_twins.errors import UserError
+from canopen_twins.files.whole import write_whole
+from canopen_twins.hunt.contract import Contract, Disturbance, Plan, what
+from canopen_twins.hunt.run import Failure, Result, run
+from canopen_twins.scenario import Kind, Outcome, Verdict
+
+SUFFIX = ".twin.yaml"
+PATIENCE = 120.0  # seconds of real time for another process
+OTHER_HASH_SEED = "4711"  # the order of sets of texts is another there
+
+
+@dataclass(frozen=True)
+class Find:
+    """What has been found: a failure, and the file that shows it."""
+
+    failure: Failure
+    file: Path
+    plan: Plan
+    verdict: Verdict
+    steps: int
+    """Of the contract, those that matter."""
+
+    @property
+    def outcome(self) -> Outcome:
+        """What failed."""
+        return _failed(self.verdict, self.failure)
+
+
+def _failed(verdict: Verdict, failure: Failure) -> Outcome:
+    failed = [each for each in verdict.outcomes if each.kind is Kind.FAIL]
+    named = [each for each in failed if failure.what.startswith(each.what)]
+    return min(named or failed, key=lambda each: each.time)
+
+
+def note_of(verdict: Verdict, failure: Failure, plan: Plan) -> str:
+    """What happened, who waited for what, and why, as far as somebody knows."""
+    outcome = _failed(verdict, failure)
+    wrong = "; ".join([*map(_words, plan.disturbances), *map(_delivered, plan.settings)])
+    told = f"{_sentence(wrong) or 'Nothing goes wrong'}. At {outcome.time:.6g} s: {outcome.what}"
+    reasons = [line.strip() for line in outcome.scene.splitlines() if "why: " in line]
+    why = f" {_sentence(reasons[-1].partition('why: ')[2])}." if reasons else ""
+    return f"{told}: {outcome.seen}.{why}"
+
+
+def _sentence(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _words(told: Disturbance) -> str:
+    when = f"at {told['at']:g} s" if "at" in told else f"when {_condition(told['when'])}"
+    lasts = f" for {told['for']:g} s" if "for" in told else ""
+    node = f" of {told['node']}" if "node" in told else ""
+    if "set" in told:
+        return f"{_named(told['set'])}{node} {when}"
+    inject = told["inject"]
+    name = what(told)
+    given = "" if isinstance(inject, str) else f" ({_named(inject[name])})"
+    return f"{name}{given}{node} {when}{lasts}"
+
+
+def _condition(when: Mapping[str, Any]) -> str:
+    nth = when.get("nth", 1)
+    told = "; ".join(
+        f"{key} {_named(value) if isinstance(value, Mapping) else value}"
+        for key, value in when.items()
+        if key != "nth"
+    )
+    return told if nth == 1 else f"{told} for the {nth}. time"
+
+
+def _named(values: Mapping[str, Any]) -> str:
+    return ", ".join(f"{key} {value}" for key, value in values.items())
+
+
+def _delivered(setting: tuple[str, str, Any]) -> str:
+    node, key, value = setting
+    return f"{node} is delivered with {key} {value}"
+
+
+def write_find(contract: Contract, result: Result, failure: Failure, folder: Path) -> Path | None:
+    """Write the file, if it fails in the same way there and in another process; else None.
+
+    Raises:
+        UserError: it cannot be written.
+    """
+    assert result.verdict is not None
+    path = _free_name(folder)
+    named: dict[str, object] = {
+        "name": f"{result.verdict.name}: {', '.join(result.plan.faults) or 'without any fault'}",
+        "note": note_of(result.verdict, failure, result.plan),
+    }
+    try:
+        write_whole(path, contract.text(result.plan, named, folder))
+    except OSError as error:
+        raise UserError(f"{path} cannot be written: {error.strerror}") from error
+    if _fails_the_same(path, contract, failure, result):
+        return path
+    path.unlink()
+    return None
+
+
+def _free_name(folder: Path) -> Path:
+    names = (folder / f"hunt-{n}{SUFFIX}" for n in count(1))
+    return next(path for path in names if not path.exists())
+
+
+def _fails_the_same(path: Path, contract: Contract, failure: Failure, before: Result) -> bool:
+    here = run(Contract(path, contract.master), Plan())
+    if failure not in here.failures or here.trace != before.trace:
+        return False
+    there = in_another_process(path, contract.master)
+    return there == {"trace": here.trace, "failures": [*map(repr, here.failures)]}
+
+
+def in_another_process(path: Path, master: str) -> Mapping[str, object]:
+    """What a run of a file is there, where sets have another order; empty if it does not end."""
+    environment = {
+        **os.environ,
+        "PYTHONHASHSEED": OTHER_HASH_SEED,
+        "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
+    }
+    command = [sys.executable, "-m", __name__, str(path), master]
+    try:
+        done = subprocess.run(
+            command, capture_output=True, env=environment, timeout=PATIENCE, check=False, text=True
+        )
+    except subprocess.TimeoutExpired:
+        return {}
+    if done.returncode:
+        return {}
+    told: Mapping[str, object] = json.loads(done.stdout.splitlines()[-1])
+    return told
+
+
+def _main(path: str, master: str) -> None:
+    result = run(Contract(Path(path), master), Plan())
+    print(json.dumps({"trace": result.trace, "failures": [*map(repr, result.failures)]}))
+
+
+if __name__ == "__main__":
+    _main(*sys.argv[1:])

@@ -1,0 +1,160 @@
+"""One run of a contract: what it was like, whether it failed, and how failures are told apart."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from hashlib import sha256
+from typing import Any
+
+from canopen_twins.bus import sdo
+from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.segment import Segment
+from canopen_twins.device.node import Node
+from canopen_twins.errors import UserError
+from canopen_twins.hunt.contract import Contract, Plan
+from canopen_twins.scenario import Kind, Player, Verdict, play
+from canopen_twins.scenario.run_log import PlayerEvent
+from canopen_twins.scenario.step_sequence import NEVER_CAME, UNDECIDED
+from canopen_twins.slave.service import State
+
+
+@dataclass(frozen=True)
+class Failure:
+    """What did not come as expected; two that are equal are one find.
+
+    There are no times, values and plans in it.
+    """
+
+    what: str
+    """The expectation, or the master."""
+    node: str
+    state: str
+    """Of the node when it was decided."""
+    place: str = ""
+    """The innermost line of the files of a master that has raised something."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Where in the conversation something went wrong."""
+
+    fault: str
+    phase: str
+
+
+@dataclass(frozen=True)
+class Result:
+    """What came of a run; plain data, so that it can come from another process."""
+
+    plan: Plan
+    failures: tuple[Failure, ...] = ()
+    error: str = ""
+    """Why it says nothing about the master; empty if it does."""
+    trace: str = ""
+    """A digest of all frames with their times, identifiers, data and senders."""
+    seconds: float = 0.0
+    """Simulated."""
+    cells: tuple[Cell, ...] = ()
+    """In the order of time."""
+    fired: int = 0
+    """How many of the disturbances have come."""
+    verdict: Verdict | None = None
+    """With the words; for those that have failed."""
+
+
+VACUOUS = (NEVER_CAME.seen, UNDECIDED.seen)
+"""What says nothing of a master that something has kept from getting there."""
+NOT_REACHED = "not reached"
+
+
+def run(contract: Contract, plan: Plan) -> Result:
+    """Play a contract with a plan: the same gives the same, in whatever process."""
+    try:
+        scenario = contract.scenario(plan)
+    except UserError as refusal:
+        return Result(plan, error=str(refusal))
+    observer = Observer()
+    verdict = play(scenario, observers=[observer.attach])
+    errors = [
+        each
+        for each in verdict.outcomes
+        if each.kind is Kind.ERROR and each.seen not in VACUOUS and NOT_REACHED not in each.seen
+    ]
+    failures = () if errors else tuple(dict.fromkeys(observer.failures))
+    return Result(
+        plan,
+        failures,
+        f"{errors[0].what}: {errors[0].seen}" if errors else "",
+        observer.digest.hexdigest(),
+        verdict.seconds,
+        tuple(observer.cells),
+        observer.fired,
+        verdict if failures else None,
+    )
+
+
+class Observer:
+    """Hears a run: its frames, where faults have struck, and how it was when something failed."""
+
+    def __init__(self) -> None:
+        self.digest = sha256()
+        self.cells: list[Cell] = []
+        self.failures: list[Failure] = []
+        self._segment: Segment[Node]
+        self._player: Player
+        self._nodes: dict[str, Node] = {}
+        self._phase = ""
+        self._asked: set[int] = set()  # identifiers of nodes that owe an answer
+
+    @property
+    def fired(self) -> int:
+        """How many disturbances have come."""
+        return len(self._player.fired)
+
+    def attach(self, segment: Segment[Node], player: Player) -> None:
+        """Hear everything from now on."""
+        self._segment, self._player = segment, player
+        self._nodes = {node.wire.name: node for node in segment.nodes}
+        segment.listeners.append(self._hear)
+        player.listeners.append(self._follow)
+
+    def _hear(self, frame: Frame, sender: str) -> None:
+        tick = self._segment.clock.ticks
+        self.digest.update(f"{tick} {frame} {sender}\n".encode())
+        if len(frame.data) == sdo.LENGTH and not frame.extended:
+            if sender in self._nodes:
+                self._asked.discard(frame.can_id)
+            elif 0x600 < frame.can_id < 0x680:
+                self._asked.add(frame.can_id - 0x80)
+
+    def _follow(self, event: PlayerEvent) -> None:
+        if event.kind == "step" and event.node:  # it is told before it is carried out
+            self._phase = phase_of(self._nodes[event.node], self._asked)
+        elif event.kind == "inject":
+            self.cells.append(Cell(str(event.fields["fault"]), self._phase))
+        elif event.kind == "outcome" and event.fields["verdict"] == Kind.FAIL:
+            self.failures.append(self._failure(event))
+
+    def _failure(self, event: PlayerEvent) -> Failure:
+        what = str(event.fields["what"])
+        ended = self._player.ended
+        if what.startswith("master ") and ended is not None:
+            kind = ended.words.partition(":")[0]
+            return Failure(f"{what}: {kind}", "", "", ended.place)
+        node = self._nodes.get(event.node)
+        return Failure(what, event.node, "" if node is None else str(node.state).lower())
+
+
+def phase_of(node: Node, asked: set[int]) -> str:
+    """Of the conversation: the state of a node, and whether it owes an answer."""
+    if node.state is State.INITIALISING:
+        return "silent"
+    state = str(node.state).lower()
+    if node.device.emergencies:
+        state += ", error"
+    return f"{state}, asked" if 0x580 + node.node_id in asked else state
+
+
+def same(one: Any, other: Any) -> bool:
+    """Whether two runs were the same to the byte."""
+    return bool(one.trace == other.trace and one.failures == other.failures)

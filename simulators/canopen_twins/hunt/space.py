@@ -1,0 +1,285 @@
+"""What can go wrong in runs of a contract, and when: as the catalogue declares it, simple first.
+
+Moments are those of the run without any fault: a fault is bound to an event rather than to a time,
+so that it is still there when something before it has changed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
+from itertools import product, zip_longest
+from math import isfinite
+from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
+
+from canopen_twins.bus.segment import Segment
+from canopen_twins.device.device import Device
+from canopen_twins.device.faults import WEATHERS, Fault, Parameter
+from canopen_twins.device.node import Node
+from canopen_twins.device.settings import About, about
+from canopen_twins.faults import connect
+from canopen_twins.files.writer import Verbatim
+from canopen_twins.hunt.contract import Disturbance, Plan
+from canopen_twins.hunt.events import Events
+from canopen_twins.scenario import Scenario
+
+
+class Limits(NamedTuple):
+    """How much goes wrong in a weather."""
+
+    most: int
+    """Faults in one run."""
+    longest: float
+    """Seconds of one of them."""
+    losses: int
+    """In a row, of frames or accesses."""
+    heals: bool
+    """Whether all of them do."""
+
+
+LIMITS: Mapping[str, Limits] = {
+    "mild": Limits(1, 0.2, 1, heals=True),
+    "rough": Limits(2, 2.0, 3, heals=True),
+    "hostile": Limits(3, 10.0, 10, heals=False),
+}
+TIMES = (0.01, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
+"""Round ones, of faults and for moments."""
+MOMENTS = (0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
+OF_TIME = ("seconds", "pause")
+BY_AIM = ("nth", "probability", "burst", "seed")
+MOST_WORDS, MOST_OBJECTS = 3, 16
+HEX = ("code", "number", "cob_id", "value")
+TIMINGS: Mapping[str, Sequence[Any]] = {
+    "timing": ("typical", "worst"),
+    "boot_time": (0.3, 3.0),
+    "answer_time": (0.002, 0.05),
+    "store_time": (0.1, 0.8),
+    "store_busy": ("refuses",),
+    "busy_request": ("waits",),
+}
+"""Of settings that every device has, worth trying at delivery."""
+
+
+@dataclass(frozen=True)
+class Option:
+    """One fault of one node, with all that it can be given."""
+
+    node: str
+    named: bool
+    """Whether a file has to say which node."""
+    fault: str
+    parameters: tuple[Mapping[str, Any], ...]
+    """Simple first."""
+    lengths: tuple[float | None, ...]
+    """Seconds; None: as long as it takes to be struck, or until everything heals."""
+
+    def at(self, moment: Disturbance, parameters: Mapping[str, Any], length: float | None) -> Any:
+        """It, as a file has it."""
+        inject: Any = {self.fault: dict(parameters)} if parameters else self.fault
+        told = {**moment, **({"node": self.node} if self.named else {}), "inject": inject}
+        return told if length is None else {**told, "for": length}
+
+
+class Space:
+    """What can go wrong with a scenario whose events are known."""
+
+    def __init__(self, scenario: Scenario, events: Events) -> None:
+        self.events = events
+        said = scenario.space
+        self.limits = LIMITS[said.weather]
+        if said.most is not None:
+            self.limits = self.limits._replace(most=said.most)
+        self._scenario = scenario
+        self._end = scenario.duration if scenario.recovers else events.seconds
+        self.left_out: dict[str, str] = {}
+        """Faults that cannot be tried, and why."""
+        devices = {name: spec.create() for name, spec in scenario.nodes.items()}
+        bus: Segment[Node] = Segment()
+        self._nodes = {name: connect(bus, device, name) for name, device in devices.items()}
+        self._several = len(devices) > 1
+        self.options = [option for name in self._nodes for option in self._options(name)]
+        self.moments = {name: list(self._moments(name)) for name in self._nodes}
+        self.changes = [change for name in self._nodes for change in self._changes(name)]
+        self.deliveries = [each for name in self._nodes for each in self._deliveries(name)]
+
+    @property
+    def faults(self) -> list[str]:
+        """By name, those that are tried."""
+        return list(dict.fromkeys(option.fault for option in self.options))
+
+    def singles(self) -> Iterator[Plan]:
+        """Every one of them by itself, round by round: what is simple, and early, comes first."""
+        yield from (Plan(settings=(each,)) for each in self.deliveries)
+        sources = [self._of(option) for option in self.options]
+        sources += [self._set(*change) for change in self.changes]
+        for together in zip_longest(*sources):
+            yield from (Plan((each,)) for each in together if each is not None)
+
+    def _of(self, option: Option) -> Iterator[Disturbance]:
+        moments = self.moments[option.node]
+        choices = product(
+            enumerate(moments), enumerate(option.parameters), enumerate(option.lengths)
+        )
+        ranked = sorted(choices, key=lambda each: each[0][0] + 3 * each[1][0] + 4 * each[2][0])
+        for (_, moment), (_, parameters), (_, length) in ranked:
+            yield option.at(moment, parameters, length)
+
+    def _set(self, node: str, key: str, value: object) -> Iterator[Disturbance]:
+        for moment in self.moments[node]:
+            yield self.change(moment, node, key, value)
+
+    def change(self, moment: Disturbance, node: str, key: str, value: object) -> Disturbance:
+        """A setting that changes while it runs, as a file has it."""
+        return {**moment, **({"node": node} if self._several else {}), "set": {key: value}}
+
+    # When
+
+    def _moments(self, node: str) -> Iterator[Disturbance]:
+        found: list[tuple[int, float, Disturbance]] = []
+        for key, times in self.events.moments.get(node, {}).items():
+            condition = self.events.conditions[key]
+            if self._is_one_of_many(node, condition):
+                continue
+            for nth in dict.fromkeys((1, 2, len(times) // 2, len(times))):
+                if 1 <= nth <= len(times) and self._is_in_time(times[nth - 1]):
+                    when = {**condition, "nth": nth} if nth > 1 else dict(condition)
+                    found.append((min(nth, 3), times[nth - 1], {"when": when}))
+        found += [(2, time, {"at": time}) for time in MOMENTS if self._is_in_time(time)]
+        yield from (moment for *_, moment in sorted(found, key=lambda each: each[:2]))
+
+    def _is_in_time(self, time: float) -> bool:
+        return self._end is None or time < self._end
+
+    def _is_one_of_many(self, node: str, condition: Mapping[str, Any]) -> bool:
+        """Whether an object is written with so many values that none of them is special."""
+        if "write" not in condition:
+            return False
+        ((name, value),) = condition["write"].items()
+        written = [
+            self.events.conditions[key]["write"]
+            for key in self.events.moments[node]
+            if "write" in self.events.conditions[key]
+        ]
+        return value != "any" and sum(name in each for each in written) > MOST_WORDS + 1
+
+    # What
+
+    def _options(self, node: str) -> Iterator[Option]:
+        said = self._scenario.space
+        for name, fault in self._nodes[node].faults.known.items():
+            weather = WEATHERS.index(fault.weather.least)
+            if said.faults is not None:
+                wanted = name in said.faults
+            else:
+                wanted = weather <= WEATHERS.index(said.weather)
+            if not wanted or name in said.without:
+                continue
+            if option := self._option(node, name, fault):
+                yield option
+
+    def _option(self, node: str, name: str, fault: Fault) -> Option | None:
+        base: dict[str, Any] = {}
+        for key, told in fault.parameters.items():
+            if told.default is None:
+                values = self._values(node, key, told)
+                if not values:
+                    self.left_out[name] = f"no value to try is known for its {key!r}"
+                    return None
+                base[key] = values[0]
+        counted = "times" in fault.parameters
+        variants = [{**base, "times": 1} if counted else base]
+        for key, told in fault.parameters.items():
+            for value in self._values(node, key, told):
+                variants.append({**variants[0], key: value})
+        variants += self._accesses(node, fault, variants[0])
+        lengths: list[float | None] = [None]
+        if fault.clear is not None:
+            lengths += [each for each in TIMES if each <= self.limits.longest][::-2]
+        if counted:
+            variants.append(base)  # all of them while it lasts
+        return Option(node, self._several, name, tuple(_unique(variants)), tuple(lengths))
+
+    def _values(self, node: str, key: str, told: Parameter) -> list[Any]:
+        """Others than the default that are worth trying."""
+        longest = min(told.high, self.limits.longest)
+        known: Mapping[str, Sequence[Any]] = {
+            "times": range(1, self.limits.losses + 1),
+            "frame": [*self.events.frames.get(node, {})][:MOST_OBJECTS],
+            **dict.fromkeys(OF_TIME, tuple(t for t in TIMES if told.low <= t <= longest)),
+            **dict.fromkeys(BY_AIM, ()),
+        }
+        if told.examples:
+            return [_number(key, each) for each in told.examples]
+        if key in known:
+            return list(known[key])
+        if told.kind in (int, float) and isfinite(told.low) and isfinite(told.high):
+            middle = (told.low + told.high) / 2
+            taken = (told.kind(each) for each in (told.low, told.high, middle))
+            return [_number(key, each) for each in dict.fromkeys(taken) if each != told.default]
+        return []
+
+    def _accesses(self, node: str, fault: Fault, base: Mapping[str, Any]) -> list[dict[str, Any]]:
+        """Those of the master, each the first time and the last."""
+        if not {"object", "times"} <= fault.parameters.keys():
+            return []
+        variants = []
+        for access, times in self.events.accesses.items():
+            if access.node == node:
+                aimed = {**base, "object": access.object}
+                if "access" in fault.parameters:
+                    aimed["access"] = access.access
+                variants.append(aimed)
+                if len(times) > 1:
+                    variants.append({**aimed, "nth": 2})
+        return variants[: 2 * MOST_OBJECTS]
+
+    # Settings
+
+    def _changes(self, node: str) -> Iterator[tuple[str, str, Any]]:
+        """What may change while it runs."""
+        device = self._nodes[node].device
+        for name, told, values in _settings(device):
+            if told.live:
+                yield from ((node, name, value) for value in self._settable(name, values))
+
+    def _deliveries(self, node: str) -> Iterator[tuple[str, str, Any]]:
+        """How it may be delivered."""
+        device = self._nodes[node].device
+        for name, told, _ in _settings(device):
+            if not told.live:
+                tried = self._settable(name, TIMINGS.get(name, ()))
+                yield from ((node, name, value) for value in tried)
+
+    def _settable(self, name: str, values: Sequence[Any]) -> Sequence[Any]:
+        return self._scenario.space.settings.get(name, values)
+
+
+def _settings(device: Device) -> Iterator[tuple[str, About, Sequence[Any]]]:
+    """Every setting, with values that its declaration tells."""
+    types = get_type_hints(type(device.settings))
+    for entry in fields(device.settings):
+        told, kind = about(entry), types[entry.name]
+        values: Sequence[Any] = ()
+        if get_origin(kind) is Literal:
+            values = get_args(kind)
+        elif kind is bool:
+            values = (False, True)
+        elif kind is float and isfinite(told.low) and isfinite(told.high):
+            values = (told.low, told.high)
+        current = getattr(device.settings, entry.name)
+        yield entry.name, told, [each for each in values if each != current]
+
+
+def _number(key: str, value: Any) -> Any:
+    """Codes are written as the manuals have them."""
+    if key in HEX and isinstance(value, int) and value > 9:
+        return Verbatim(f"{value:#x}")
+    return value
+
+
+def _unique(variants: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    seen = set()
+    for each in variants:
+        if (key := repr(sorted(each.items()))) not in seen:
+            seen.add(key)
+            yield each

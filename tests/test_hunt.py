@@ -1,0 +1,142 @@
+"""hunt: a contract and a master with a bug, up to the file that shows it."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+import yaml
+
+from canopen_twins.cli import main
+
+CONTRACT = """\
+version: 1
+name: A supply is held at a voltage
+node: {device: topcon, node_id: 5, settings: {load: resistor 4}}
+duration: 4
+recovers: {within: 3, when: {value: {Voltage reference: 2000, Run command: 1}}}
+space: {faults: [sdo_silence, power_cycle, heartbeat_stopped]}
+steps:
+  - {at: 0, expect: {never: {write: {Voltage reference: {min: 2001}}}}}
+"""
+
+CAREFUL = """\
+import time
+
+import canopen
+
+WANTED = {0x2010: 2000, 0x2014: 1}
+
+
+def main(network):
+    supply = network.add_node(5)
+    supply.sdo.RESPONSE_TIMEOUT = 0.1
+    while True:
+        for index, value in WANTED.items():
+            keep(supply, index, value)
+        time.sleep(0.5)
+
+
+def keep(supply, index, value):
+    try:
+        if supply.sdo.upload(index, 0) != value.to_bytes(2, "little"):
+            supply.sdo.download(index, 0, value.to_bytes(2, "little"))
+    except canopen.SdoCommunicationError:
+        pass
+"""
+
+HASTY = CAREFUL.replace("    while True:\n", "    for _ in range(2):\n")
+"""It does not look again after a second."""
+BRITTLE = CAREFUL.replace("canopen.SdoCommunicationError", "canopen.SdoAbortedError")
+"""A lost answer ends it."""
+
+
+@pytest.fixture
+def hunted(tmp_path, monkeypatch, capsys):
+    """Hunt a master; exit code and what is said."""
+    monkeypatch.chdir(tmp_path)
+
+    def hunted(master, *arguments, contract=CONTRACT):
+        (tmp_path / "my_master.py").write_text(master)
+        (tmp_path / "contract.yaml").write_text(contract)
+        named = ["--master", "my_master:main", *arguments]
+        code = main(["hunt", "contract.yaml", *named])
+        said = capsys.readouterr()
+        return code, said.out + said.err
+
+    return hunted
+
+
+def test_a_careful_master_is_left_in_peace(hunted, tmp_path):
+    code, said = hunted(CAREFUL, "--runs", "40")
+    assert (code, "0 finds" in said) == (0, True)
+    assert not [*tmp_path.glob("hunt-*")]
+
+
+def test_what_a_lost_answer_ends_is_found_and_told_with_its_line(hunted, tmp_path):
+    code, said = hunted(BRITTLE, "--runs", "30")
+    assert code == 1
+    assert "SdoCommunicationError: No SDO response received in my_master.py:20" in said
+    find = yaml.safe_load((tmp_path / "hunt-1.twin.yaml").read_text())
+    assert find["steps"] == []  # none of the contract matters
+    assert len(find["disturbances"]) == 1
+    assert "not answered: the fault sdo_silence" in find["note"]
+
+
+def test_a_find_fails_the_same_way_in_play_and_in_another_process(hunted, tmp_path, capsys):
+    hunted(HASTY, "--runs", "30")
+    file = tmp_path / "hunt-1.twin.yaml"
+    assert main(["play", file.name, "--json"]) == 1
+    here = json.loads(capsys.readouterr().out)
+    there = subprocess.run(
+        [sys.executable, "-m", "canopen_twins", "play", file.name, "--json"],
+        capture_output=True,
+        check=False,
+        text=True,
+    )
+    assert json.loads(there.stdout) == here
+    (outcome,) = here["scenarios"][0]["outcomes"]
+    assert outcome["what"] == "back within 3 s: Voltage reference 2000, Run command 1"
+    (wrong,) = yaml.safe_load(file.read_text())["disturbances"]
+    assert "power_cycle" in wrong["inject"]
+
+
+def test_the_same_seed_finds_the_same(hunted, tmp_path):
+    hunted(HASTY, "--runs", "30")
+    first = (tmp_path / "hunt-1.twin.yaml").read_text()
+    hunted(HASTY, "--runs", "30")
+    assert (tmp_path / "hunt-2.twin.yaml").read_text() == first
+
+
+def test_pairs_are_tried_when_every_single_one_is_survived(hunted):
+    contract = CONTRACT.replace("[sdo_silence, power_cycle, heartbeat_stopped]", "[power_cycle]")
+    code, said = hunted(CAREFUL, "--runs", "200", contract=contract)
+    assert (code, "200 runs" in said) == (0, True)
+
+
+@pytest.mark.parametrize(
+    ("master", "contract", "said"),
+    [
+        ("def main(network): pass\n", CONTRACT, "this master does not keep the contract"),
+        ("def main(network): 1 / 0\n", CONTRACT, "ZeroDivisionError: division by zero"),
+        ("def other(): pass\n", CONTRACT, "unknown function 'main'"),
+        (CAREFUL, CONTRACT.replace("sdo_silence", "sdo_silent"), "did you mean 'sdo_silence'?"),
+        (CAREFUL, CONTRACT.replace("duration", "durations"), "unknown key 'durations'"),
+        (
+            CAREFUL.replace(
+                "time.sleep(0.5)", "time.sleep(__import__('time').time_ns() % 97 / 100)"
+            ),
+            CONTRACT,
+            "two runs without any fault are not the same",
+        ),
+    ],
+)
+def test_no_hunt_begins_with_a_contract_that_is_not_kept(hunted, master, contract, said):
+    code, told = hunted(master, "--runs", "9", contract=contract)
+    assert (code, said in told) == (2, True), told
+
+
+def test_who_is_tested_has_to_be_said(tmp_path, capsys):
+    (tmp_path / "contract.yaml").write_text(CONTRACT)
+    assert main(["hunt", str(tmp_path / "contract.yaml"), "--runs", "9"]) == 2
+    assert "who is tested? Say --master MODULE:FUNCTION" in capsys.readouterr().err
