@@ -20,6 +20,11 @@ EXAMPLES: Mapping[str, Sequence[str]] = {
         "play topcon_overvoltage.yaml",
         "play stories/trip.twin.yaml --junit report.xml",
         "play trip.yaml --plot trip.html --record kept",
+        "play hunt-1.twin.yaml --master my_master:main",
+    ),
+    "hunt": (
+        "hunt contract.yaml --master my_master:main",
+        "hunt contract.yaml --master my_master:main --seconds 600 --finds finds",
     ),
     "conform": ("conform topcon", "conform drive.eds -n 5 -i socketcan -c vcan0"),
     "check": ("check trip.yaml bench.yaml drive.eds",),
