@@ -86,7 +86,7 @@ def test_run_reports_a_scenario_that_was_stopped_as_one_that_says_nothing(tmp_pa
         process.stdout.readline()
         process.terminate()
         out, _ = process.communicate(timeout=30)
-    assert process.returncode == 0
+    assert process.returncode == 1
     assert "ERROR (1 ERROR)" in out
     assert suites(report) == [("late", "1", "0", "1")]
 

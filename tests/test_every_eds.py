@@ -155,7 +155,8 @@ def test_dcfgen_makes_a_boot_master_without_a_word(eds, dictionary, tmp_path):
         f"master: {{node_id: 127, heartbeat_consumer: true}}\n"
         f"slave: {{dcf: {eds}, node_id: {NODE_ID}, {heartbeat}}}\n"
     )
-    command = [sys.executable, "-m", "dcfgen.cli", "-r", "-d", tmp_path, tmp_path / "bus.yaml"]
+    python = [sys.executable, "-W", "ignore:pkg_resources"]
+    command = [*python, "-m", "dcfgen.cli", "-r", "-d", tmp_path, tmp_path / "bus.yaml"]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (result.returncode, result.stdout, result.stderr) == (0, "", "")
     assert (tmp_path / "master.dcf").exists()

@@ -16,7 +16,8 @@ ROOT = Path(__file__).parent.parent
 PACKAGING = ROOT / "packaging"
 UNIT = PACKAGING / "canopen-twin@.service"
 PROGRAM = Path(sys.executable).with_name("canopen-twin")
-SCRIPTS = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["scripts"]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+SCRIPTS = PROJECT["scripts"]
 
 
 @pytest.fixture(scope="module")
@@ -82,3 +83,9 @@ def test_the_image_runs_a_hub_as_nobody(image):
     options = parser().parse_args(json.loads(only(image, "CMD")))
     assert program in SCRIPTS
     assert options.listen == f"0.0.0.0:{only(image, 'EXPOSE')}" == f"0.0.0.0:{PORT}"
+
+
+def test_the_oldest_python_that_is_let_in_is_one_of_those_it_is_run_on():
+    named = re.findall(r"Python :: 3\.(\d+)", "\n".join(PROJECT["classifiers"]))
+    assert PROJECT["requires-python"] == f">=3.{min(map(int, named))}"
+    assert f"{sys.version_info.minor}" in named

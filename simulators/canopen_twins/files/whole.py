@@ -30,6 +30,8 @@ def plain_file(path: Path) -> Path:
     except (OSError, RuntimeError) as failure:  # a link that leads to itself, a name too long
         words = failure.strerror if isinstance(failure, OSError) else "links lead in a circle"
         raise UserError(f"{path}: {words}") from failure
+    if real.is_symlink():  # as Python 3.13 leaves it
+        raise UserError(f"{path}: links lead in a circle")
     if mode is None and not real.parent.is_dir():
         raise UserError(f"{path}: there is no directory for it")
     if mode is not None and not stat.S_ISREG(mode):
