@@ -48,6 +48,7 @@ from canopen_twins.scenario.scenario import (
     Scenario,
     Space,
     Step,
+    Whenever,
 )
 from canopen_twins.scenario.schema import ANY, NONE
 from canopen_twins.scenario.sdo_client import ACCEPTED
@@ -95,6 +96,7 @@ def _scenario(file: schema.ScenarioFile, path: Path, find: Find) -> Scenario:
         nodes=participants.specs,
         steps=_steps(file.steps, participants, lasts),
         disturbances=_disturbances(file.disturbances or [], participants),
+        always=_always(file.always or [], participants),
         recovers=_recovers(file, participants),
         space=_space(file, participants),
         cleanup=_steps(file.cleanup or [], participants, 0.0),
@@ -152,6 +154,21 @@ def _disturbances(
             else:
                 raise Reported
             found.append(Step(moment, node, action, each.note, place.line))
+    return tuple(found)
+
+
+def _always(
+    given: Sequence[schema.Whenever | None], participants: Participants
+) -> tuple[Whenever, ...]:
+    found = []
+    for each in (each for each in given if each is not None):
+        place = each.place
+        with place.problems.at(place):
+            node = participants.rehearsal(each.node, place).name
+            condition = _condition(each.whenever, each.node, participants)
+            action = _expect(each.expect, each, participants)
+            step = Step(condition, node, action, each.note, place.line)
+            found.append(Whenever(condition, each.after, step))
     return tuple(found)
 
 
@@ -317,7 +334,9 @@ def _clear(name: Item, step: schema.AnyStep, participants: Participants) -> Acti
     return Clear(fault)
 
 
-def _expect(said: schema.Expect, step: schema.AnyStep, participants: Participants) -> Action:
+def _expect(
+    said: schema.Expect, step: schema.AnyStep | schema.Whenever, participants: Participants
+) -> Action:
     node = participants.rehearsal(step.node, said.place)
     before = None if said.before is None else _condition(said.before, step.node, participants)
     never = bool(said.never or said.silence or NONE in (said.emcy, said.heartbeat))

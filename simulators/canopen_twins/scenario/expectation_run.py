@@ -19,7 +19,9 @@ TOLD = 5  # things in one line
 
 
 class Watch:
-    """Calls `seen` once, with words, when all parts of a matcher have matched for the n-th time.
+    """Calls `seen` with words when all parts of a matcher have matched for the n-th time.
+
+    That is once, or `again` and again until it is stopped.
 
     Somebody hands it the events of the bus, or it listens; looks at a node are its own, once a
     cycle of its device. What is polled is seen at the first look at which it is there, and then
@@ -35,12 +37,14 @@ class Watch:
         nth: int = 1,
     ) -> None:
         self.active = True
-        """Whether it has neither seen it nor been stopped."""
+        """Whether it goes on."""
+        self.again = False
+        """Whether it goes on when it has seen it."""
         self._parts = parts
         self._node = node
         self._bus = bus
         self._seen = seen
-        self._to_come = nth
+        self._nth = self._to_come = nth
         self._missing = list(parts)
         self._told: list[str] = []
         self._similar: deque[str] = deque(maxlen=TOLD)
@@ -99,7 +103,9 @@ class Watch:
         self._to_come -= 1
         self._missing, self._told = list(self._parts), []
         if not self._to_come:
-            self.stop()
+            self._to_come = self._nth
+            if not self.again:
+                self.stop()
             self._seen(told)
 
     def _look(self) -> None:

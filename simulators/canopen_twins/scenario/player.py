@@ -16,6 +16,7 @@ from canopen_twins.scenario.actions import (
     RunMaster,
     Surroundings,
 )
+from canopen_twins.scenario.always import Rule
 from canopen_twins.scenario.bus_events import BusEvents
 from canopen_twins.scenario.disturbances import Disturbances, Healing
 from canopen_twins.scenario.expectation_run import GRAIN
@@ -71,6 +72,7 @@ class Player:
         self._steps = StepSequence(scenario.steps, shared, self._end, duration)
         self._disturbances = Disturbances(scenario.disturbances, shared)
         self._healing = Healing(scenario, self._disturbances, self._steps, shared, self._end)
+        self._always = [Rule(each, shared) for each in scenario.always]
         self._cleanup = StepSequence(scenario.cleanup, shared, strict=False)
 
     def start(self) -> None:
@@ -89,6 +91,8 @@ class Player:
         self._limit = self._clock.at_tick(limit, self.stop)
         self._leave_out_bit_rate()
         self._disturbances.start()
+        for rule in self._always:
+            rule.start()
         self._healing.start()
         self._steps.start()
 
@@ -181,6 +185,8 @@ class Player:
             self._healing.drop()
         if self._steps.over and self._healing.over:
             self._limit.cancel()
+            for rule in self._always:
+                rule.end()
             self._cleanup.start()
 
 
@@ -188,7 +194,12 @@ def _watched(scenario: Scenario) -> Iterator[tuple[str, Matcher]]:
     """The names of nodes, and what is ever watched for there."""
     if (back := scenario.recovers) is not None:
         yield back.condition.node, back.condition.matcher
-    for step in (*scenario.steps, *scenario.disturbances, *scenario.cleanup):
+    for step in (
+        *scenario.steps,
+        *scenario.disturbances,
+        *(each.step for each in scenario.always),
+        *scenario.cleanup,
+    ):
         action, conditions = step.action, [step.moment]
         if isinstance(action, Expectation):
             yield step.node, action.matcher

@@ -66,6 +66,17 @@ class Step:
 
 
 @dataclass(frozen=True)
+class Whenever:
+    """What is expected every time that something is seen."""
+
+    condition: Condition
+    seconds: float
+    """How long after that it begins."""
+    step: Step
+    """The expectation, with its place in the file."""
+
+
+@dataclass(frozen=True)
 class Recovery:
     """What has to be so again in time; its moment is when everything has healed."""
 
@@ -102,6 +113,7 @@ class Scenario:
     """Carried out in the end, whatever came of the steps; the first one's moment is `After`."""
     disturbances: tuple[Step, ...] = ()
     """Each by itself; its moment, `At` or a condition from the beginning on, need not come."""
+    always: tuple[Whenever, ...] = ()
     recovers: Recovery | None = None
     """When all has healed, at the end of `duration`."""
     covers: tuple[str, ...] = ()

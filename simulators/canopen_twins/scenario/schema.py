@@ -310,6 +310,21 @@ class Disturbance(Change):
     """At the moment it happens; watched for from the beginning on."""
 
 
+class Whenever(Table):
+    """What is expected every time that something is seen."""
+
+    whenever: Seen
+    """What has to be seen for it to begin."""
+    after: Seconds = 0.0
+    """Seconds until what is expected begins; none if it is left out."""
+    expect: Expect
+    """Watches, and decides; the next time begins when it has."""
+    node: Name | None = None
+    """The node it is about; may be left out where there is one node."""
+    note: Text = ""
+    """Why it is there; free text, shown where something did not come as expected."""
+
+
 class Recovers(Table):
     """What has to be so again when everything has healed, and the time for it."""
 
@@ -421,6 +436,8 @@ class ScenarioFile(FileOfNodes):
         None
     )
     """What goes wrong meanwhile, each by itself, in any order."""
+    always: Annotated[Listed[IfRight[Whenever]], Field(max_length=MOST_STEPS)] | None = None
+    """What is expected every time that something is seen, as long as the run lasts."""
     recovers: Recovers | None = None
     """At the end of `duration` every disturbance heals, and the master has to be back in time."""
     weather: Annotated[str, word("weather", {name: name for name in WEATHERS})] = "rough"
