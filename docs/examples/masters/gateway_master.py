@@ -31,13 +31,12 @@ class Genset:
         self.node = network.add_node(NODE_ID)
         self.news = queue.Queue()  # of callbacks, which leave the work to the main thread
         self.switches = KEEP_AWAY
-        self.errors = {}  # the bytes of TPDO1 and TPDO2
         self.state = None
         self.heard = time.monotonic()
         self.over = threading.Event()
         self.node.nmt.add_heartbeat_callback(self.on_heartbeat)
-        for number, size in ((1, 8), (2, 4)):
-            network.subscribe(0x80 + 0x100 * number + NODE_ID, self.keeps_errors(number, size))
+        network.subscribe(0x180 + NODE_ID, self.on_errors)
+        network.subscribe(0x280 + NODE_ID, self.on_errors)
         self.beating = threading.Thread(target=self.beat, name="beat", daemon=True)
         self.beating.start()
 
@@ -47,14 +46,10 @@ class Genset:
         if state == 0:
             self.news.put("it has booted")
 
-    def keeps_errors(self, number, size):
-        """What canopen calls for a TPDO of so many bytes; of another one no value may be used."""
-
-        def on_errors(can_id, data, timestamp):
-            if len(data) == size:
-                self.errors[number] = bytes(data)
-
-        return on_errors
+    def on_errors(self, can_id, data, timestamp):
+        """Called by canopen for TPDO1 and TPDO2; what is not all zero tells of an error."""
+        if any(data):
+            self.news.put("errors")
 
     def beat(self):
         """What has to come all the time: heartbeat and switches."""
@@ -88,39 +83,23 @@ class Genset:
         raise GensetError("it does not become operational")
 
     def expect_no_errors(self):
-        """Those of a start go when the first RPDOs have come; nobody can clear the others here."""
-        end = time.monotonic() + 4 * CYCLE
-        while self.read_errors():
-            if time.monotonic() > end:
-                raise GensetError("there are errors")
-            time.sleep(CYCLE)
-
-    def read_errors(self):
-        """All of them by SDO, as the PDO that tells of a change may get lost."""
-        words = [self.read(ERRORS, sub, "<H") for sub in range(1, 7)]
-        self.errors = {1: struct.pack("<4H", *words[:4]), 2: struct.pack("<2H", *words[4:])}
-        return any(words)
+        """By SDO, as the PDO that tells of one may get lost; nobody can clear them from here."""
+        if any(self.read(ERRORS, sub, "<H") for sub in range(1, 7)):
+            raise GensetError("errors that it has not told")
 
     def watch(self, end):
         """Until then, or until something is wrong."""
         poll = time.monotonic() + POLL
         while time.monotonic() < end:
-            self.check()
+            if time.monotonic() - self.heard > LOST_AFTER or self.state != 5:
+                raise GensetError("no heartbeat, or one of a state that nobody commanded")
             if time.monotonic() >= poll:
-                self.read_errors()
+                self.expect_no_errors()
                 poll = time.monotonic() + POLL
-                self.check()
             try:
                 raise GensetError(self.news.get(timeout=CYCLE))
             except queue.Empty:
                 pass
-
-    def check(self):
-        """Whether it may keep them."""
-        if time.monotonic() - self.heard > LOST_AFTER or self.state != 5:
-            raise GensetError("no heartbeat, or one of a state that nobody commanded")
-        if any(any(words) for words in self.errors.values()):
-            raise GensetError("errors")
 
     def read(self, index, sub, form):
         """A number; several times if need be, but not while there is news that matters more."""
