@@ -166,7 +166,7 @@ def test_a_record_of_a_device_that_is_here_no_more_has_its_frames(said, recorded
 
 
 WRONG = [
-    ("out.xyz", "x", "its name ends in .asc, .blf, .csv, .log, .mf4, .trc"),
+    ("out.xyz", "x", "its name ends in .asc, .blf, .csv, .log, .mf4, .trc, .txt"),
     ("out.log", None, "out.log is not there"),
     ("out.log", "(x) can0 705#00", "out.log cannot be read as .log: "),
     ("out.blf", "LOGG", "out.blf cannot be read as .blf: "),

@@ -8,11 +8,11 @@ from pathlib import Path
 
 from canopen_twins import devices
 from canopen_twins.cli.command import DEVICE, FAILED, OK, Parser, add_device, device_settings
+from canopen_twins.cli.traces import add_trace_options, opened, tell_damage
 from canopen_twins.device.device import Device
 from canopen_twins.errors import UserError
 from canopen_twins.record.compare import Comparison
 from canopen_twins.record.compare.report import text
-from canopen_twins.record.trace import read_frames
 from canopen_twins.scenario import load_bench
 
 
@@ -20,15 +20,18 @@ def add_compare(parser: Parser) -> None:
     """compare."""
     add_device(parser, f"{DEVICE}, or a bench file: the nodes that the trace is of")
     parser.add_argument("trace", type=Path, metavar="TRACE", help="what was on the bus")
+    add_trace_options(parser)
     parser.set_defaults(command=compare)
 
 
 def compare(options: argparse.Namespace) -> int:
     """0 if all agrees, 1 if something does not."""
     comparison = Comparison(participants(options))
-    for sent in read_frames(options.trace):
+    trace = opened(options, options.trace)
+    for sent in trace:
         comparison.hear(sent.tick, sent.frame)
     agreement = comparison.end()
+    tell_damage(trace)
     print(text(agreement))
     return FAILED if agreement.differences else OK
 

@@ -19,7 +19,8 @@ from canopen_twins.faults import connect
 from canopen_twins.record.folder import Recorded
 from canopen_twins.record.journal import HEARD, EventLine
 from canopen_twins.record.manifest import Manifest
-from canopen_twins.record.trace import TimedFrame, read_frames
+from canopen_twins.record.trace import TimedFrame
+from canopen_twins.record.trace_reader import read_frames
 
 BEFORE, AHEAD = 5, 50  # kept before the difference, and read on behind it
 LAST_EVENTS = 5  # told of each side

@@ -18,7 +18,8 @@ from canopen_twins.faults import connect
 from canopen_twins.files.whole import folder_part
 from canopen_twins.record.journal import END, HEARD, EventLine, Journal, read_events
 from canopen_twins.record.manifest import DEVICES, Manifest, digest, read_manifest, version_now
-from canopen_twins.record.trace import Observer, read_frames
+from canopen_twins.record.trace import Observer
+from canopen_twins.record.trace_reader import read_frames
 from canopen_twins.scenario import Player, Scenario, begin, load, play, print_frames
 from canopen_twins.scenario.scenario import NodeSpec
 

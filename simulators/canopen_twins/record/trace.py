@@ -1,34 +1,22 @@
-"""Trace files in the formats of python-can: read frame by frame, or written during a run."""
+"""Trace files that are written during a run, in the formats of python-can."""
 
-import gzip
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from io import TextIOWrapper
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import can
-from can.io.generic import BinaryIOMessageReader, MessageWriter, TextIOMessageReader
-from can.io.player import MESSAGE_READERS
+from can.io.generic import MessageWriter
 
-from canopen_twins.bus.clock import microseconds
 from canopen_twins.bus.frame import Frame
-from canopen_twins.bus.python_can import frame_of, message_of
+from canopen_twins.bus.python_can import message_of
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
 from canopen_twins.files.whole import file_part
 from canopen_twins.scenario import Player
 
-PACKED = ".gz"
-LONGEST_LINE = 1 << 16  # characters
 CHANNEL = "can0"
-READERS = {
-    suffix: reader
-    for suffix, reader in MESSAGE_READERS.items()
-    if issubclass(reader, (TextIOMessageReader, BinaryIOMessageReader))
-}
-
 Observer = Callable[[Segment[Node], Player | None], None]
 """Called before a run begins, with the bus and who plays the scenario on it, if there is one."""
 
@@ -39,44 +27,6 @@ class TimedFrame(NamedTuple):
     tick: int
     """Microseconds."""
     frame: Frame
-
-
-def read_frames(path: Path) -> Iterator[TimedFrame]:
-    """What a trace file holds, packed or not, without error frames.
-
-    Raises:
-        UserError: it is no trace file, or it cannot be read; only when the frames are taken.
-    """
-    suffixes = [suffix.lower() for suffix in path.suffixes if suffix != PACKED]
-    if not suffixes or suffixes[-1] not in READERS:
-        raise UserError(f"{path} is no trace file: its name ends in {', '.join(READERS)}")
-    if not path.is_file():
-        raise UserError(f"{path} is not there")
-    reader = READERS[suffixes[-1]]
-    try:
-        with gzip.open(path) if path.suffix == PACKED else path.open("rb") as packed:
-            is_text = issubclass(reader, TextIOMessageReader)
-            file: Any = Lines(packed, "utf-8") if is_text else packed
-            yield from (_timed(each) for each in reader(file) if not each.is_error_frame)
-    except Exception as damage:  # whatever a reader of python-can stumbles over
-        reason = str(damage) or type(damage).__name__
-        raise UserError(f"{path} cannot be read as {suffixes[-1]}: {reason}") from damage
-
-
-class Lines(TextIOWrapper):
-    """A text whose lines are as long as those of a trace, whatever it is."""
-
-    def __next__(self) -> str:  # type: ignore[override]
-        line = self.readline(LONGEST_LINE)
-        if len(line) == LONGEST_LINE:
-            raise ValueError(f"a line of {LONGEST_LINE} characters or more")
-        if not line:
-            raise StopIteration
-        return line
-
-
-def _timed(message: can.Message) -> TimedFrame:
-    return TimedFrame(microseconds(message.timestamp), frame_of(message))
 
 
 @contextmanager

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from functools import partial
-from math import inf
 
 from canopen_twins.bus import identifiers, sdo
 from canopen_twins.bus.clock import MICROSECONDS
@@ -23,7 +22,7 @@ from canopen_twins.record.compare.tolerances import Tolerances
 from canopen_twins.slave.emcy import emcy_id
 from canopen_twins.slave.error_control import TOGGLE
 from canopen_twins.slave.nmt import ALL_NODES, RESETS, STATE_BYTE, TARGET
-from canopen_twins.slave.object import Rejected
+from canopen_twins.slave.object import Entry, Rejected
 from canopen_twins.slave.service import State
 from canopen_twins.slave.slave import Slave
 from canopen_twins.slave.sync import COB_ID as SYNC_COB_ID
@@ -41,6 +40,8 @@ BOOT, HEARTBEAT, GUARDING, EMCY, SYNC, LSS = (
 )
 PREDEFINED = (0x180, 0x280, 0x380, 0x480)  # TPDOs
 STATE_OF = {byte: state for state, byte in STATE_BYTE.items()}
+A_LITTLE = 0.05  # of a period
+MILLISECOND = 1_000
 COMMANDS = {state: command for command, state in TARGET.items()}
 
 Handler = Callable[[int, Frame, bool], None]
@@ -75,6 +76,8 @@ class Beside:
         self._streams: dict[str, Stream] = {}
         self._written: set[Address] = set()
         self._knows_state = False
+        self._beat: int | None = None  # the last heartbeat of the device, in the middle
+        self._beats = False  # whether its period is known
         self._guarded = [0, 0]  # answers that are due: of the twin, of the device
         self._reset: tuple[int, int] | None = None  # the last: in the trace, and for the twin
         self._booted: tuple[int, int] | None = None  # the twin, before the device
@@ -139,8 +142,9 @@ class Beside:
         """Judge all that there is."""
         if self._booted is not None and now - self._booted[0] > WINDOW:
             self._never_booted(now)
-        self.dialogue.end()
-        self.settle(inf)
+        self.dialogue.end(now - self._tolerances.time)
+        for stream in self._streams.values():
+            stream.end(now)
 
     @property
     def _clock(self) -> int:
@@ -191,8 +195,11 @@ class Beside:
         if _is_boot_up(frame) and not self._guarded[of_device]:
             self._on_boot_up(tick, of_device)
             return
-        if of_device and frame.data:
-            self._infer(STATE_OF.get(frame.data[0] & ~TOGGLE))
+        if of_device and frame.data and self._infer(STATE_OF.get(frame.data[0] & ~TOGGLE)):
+            return
+        heartbeat = of_device and not self._guarded[of_device]
+        if heartbeat and self.in_the_middle and self._infer_period(tick):
+            return
         service = HEARTBEAT
         if self._guarded[of_device]:
             self._guarded[of_device] = 0
@@ -204,8 +211,8 @@ class Beside:
         self._put(self._stream(EMCY, self._judge.emcy), tick, frame, of_device)
 
     def _on_pdo(self, number: int, tick: int, frame: Frame, of_device: bool) -> None:
-        if of_device:
-            self._infer(State.OPERATIONAL)
+        if of_device and self._infer(State.OPERATIONAL):
+            return
         same = partial(self._judge.same_pdo, number)
         stream = self._stream(f"TPDO{number}", partial(self._judge.pdo, number), same)
         also = self._judge.sent_now(number) if of_device else None
@@ -259,22 +266,53 @@ class Beside:
 
     def _boot(self) -> None:
         """Power comes, and all that the twin tells of it is left out."""
-        self._deaf = True
-        self.node.power_off()
-        self.node.power_on()
-        self._segment.deliver()
-        self._timeline.wait_for(self.node)
-        self._deaf = False
+        with self._unheard():
+            self.node.power_off()
+            self.node.power_on()
+            self._segment.deliver()
+            self._timeline.wait_for(self.node)
         self.derive()
 
-    def _infer(self, state: State | None) -> None:
-        """In the middle of something: take over the NMT state that the device shows."""
+    def _infer(self, state: State | None) -> bool:
+        """In the middle of something: take over the NMT state that the device shows, if it is new.
+
+        What it shows it with had no cause that the twin could know.
+        """
         if self._knows_state or not self.in_the_middle or state in (None, self.node.state):
-            return
+            return False
         assert state is not None
-        self._deaf = True
         command = bytes([COMMANDS[state], self.node.node_id])
-        self._segment.send(Frame(identifiers.NMT, command))
+        with self._unheard():
+            self._segment.send(Frame(identifiers.NMT, command))
+        return True
+
+    def _infer_period(self, tick: int) -> bool:
+        """In the middle of something: take over the period of the heartbeat, if it is new."""
+        last, self._beat = self._beat, tick
+        entry = self._judge.entry((0x1017, 0))
+        if last is None or entry is None or not entry.writable or entry.address in self._written:
+            return False
+        seen, period = (tick - last) / MILLISECOND, int(entry.unpack(entry.read()))
+        longer = seen > (1 - A_LITTLE) * period
+        if (self._beats and longer) or abs(seen - period) <= A_LITTLE * period:
+            return False
+        self._beats = True
+        self._set(entry, entry.pack(round(seen)))
+        self._streams.pop(HEARTBEAT, None)
+        return True
+
+    def _set(self, entry: Entry, value: bytes) -> None:
+        """What a master must have written before the trace began."""
+        assert self.node.slave is not None
+        with self._unheard(), suppress(Rejected), self.node.acting():
+            self.node.slave.write(entry, value)
+
+    @contextmanager
+    def _unheard(self) -> Iterator[None]:
+        """What the twin sends meanwhile is of no interest."""
+        self._deaf = True
+        yield
+        self._segment.deliver()
         self._deaf = False
 
     def _on_boot_up(self, tick: int, of_device: bool) -> None:
@@ -334,20 +372,15 @@ class Beside:
 
     def _take_over(self, transfer: Transfer) -> None:
         """In the middle of something: what the device has in an object is what was written."""
-        slave, told = self.node.slave, outcome(transfer.device)
-        entry = self._judge.entry(transfer.address)
-        if slave is None or entry is None or not entry.writable or told.value is None:
+        told, entry = outcome(transfer.device), self._judge.entry(transfer.address)
+        if entry is None or not entry.writable or told.value is None:
             return
         if entry.address in self._written or told.code is not None:
             return
         self._written.add(entry.address)
         if entry.read() == told.value:
             return
-        self._deaf = True
-        with suppress(Rejected), self.node.acting():
-            slave.write(entry, told.value)
-        self._segment.deliver()
-        self._deaf = False
+        self._set(entry, told.value)
         transfer.twin = list(transfer.device)
 
 

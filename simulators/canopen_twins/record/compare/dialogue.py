@@ -184,7 +184,9 @@ class Dialogue:
                 return
             self._judge(self._open.popleft())
 
-    def end(self) -> None:
-        """Judge all that there is."""
+    def end(self, tick: int) -> None:
+        """Judge all that there is; a request after `tick` had no time to be answered."""
         while self._open:
-            self._judge(self._open.popleft())
+            transfer = self._open.popleft()
+            if transfer.device or transfer.tick <= tick:
+                self._judge(transfer)

@@ -8,6 +8,7 @@ nothing better can come any more.
 from collections import deque
 from collections.abc import Callable
 from itertools import islice
+from math import inf
 from typing import NamedTuple
 
 from canopen_twins.bus.frame import Frame
@@ -91,12 +92,14 @@ class Stream:
             else:
                 self._alone(of_device=device < twin + self._offset)
 
-    def forget(self) -> None:
-        """Begin anew: what waits is of no use any more."""
-        self._device.clear()
-        self._twin.clear()
-        self._last = None
-        self.free = True
+    def end(self, now: int) -> None:
+        """Decide all; the counterpart of what came last may only have been due after the end."""
+        latest = now - self._tolerance
+        while self._device and self._device[-1].tick - self._offset > latest and not self._twin:
+            self._device.pop()
+        while self._twin and self._twin[-1].tick + self._offset > latest and not self._device:
+            self._twin.pop()
+        self.settle(inf)
 
     def _heads(self) -> tuple[int | None, int | None]:
         device = self._device[0].tick if self._device else None
