@@ -2,10 +2,10 @@ from collections.abc import Callable
 
 import pytest
 
-from canopen_twins import Bench
+from canopen_twins import Bench, devices
+from canopen_twins.bus.clock import microseconds
 from canopen_twins.cli import main
-
-CHANNEL = "can0"
+from canopen_twins.record.compare import Comparison
 
 
 @pytest.fixture
@@ -28,37 +28,36 @@ def log(path, records):
     return path
 
 
+def traced(master, device="topcon", faults=(), live=None, **settings):
+    """What is on the bus of a twin as the device, and of what a master does with it."""
+    bench = Bench(device, **{"node_id": 5, **settings})
+    for name, parameters in faults:
+        bench.inject(name, **parameters)
+    if live:
+        bench.set(**live)
+    master(bench)
+    return bench.trace
+
+
+def compared(records, device="topcon", tolerances=None, **settings):
+    """What there is to say about a trace beside a twin."""
+    twin = devices.create(device, **{"node_id": 5, **settings})
+    comparison = Comparison({"twin": twin}, tolerances)
+    for record in records:
+        comparison.hear(microseconds(record.time), record.frame)
+    return comparison.end()
+
+
+def told(agreement):
+    """The differences in a line each, without their frames."""
+    return [f"{each.subject}: {each.kind}" for each in agreement.differences.values()]
+
+
 @pytest.fixture
 def field(tmp_path) -> Callable[..., object]:
-    """The trace of a twin as the device, and of what a master does with it."""
+    """The trace of a twin as the device, in a file."""
 
     def trace(master, device="topcon", name="field.log", **settings):
-        bench = Bench(device, node_id=5, **settings)
-        master(bench)
-        return log(tmp_path / name, bench.trace)
+        return log(tmp_path / name, traced(master, device, **settings))
 
     return trace
-
-
-def read(bench, *addresses):
-    """SDO uploads, each followed through to its last segment."""
-    for index, subindex in addresses:
-        answers = bench.send(f"605#40{index & 0xFF:02X}{index >> 8:02X}{subindex:02X}00000000")
-        toggle = 0
-        while (answers and answers[-1].startswith("585#41")) or (toggle and not _last(answers)):
-            answers = bench.send(f"605#{0x60 | toggle & 0x10:02X}00000000000000")
-            toggle ^= 0x10
-            toggle |= 1
-        bench.run(0.01)
-
-
-def _last(answers):
-    return not answers or answers[-1].startswith("585#80") or int(answers[-1][4:6], 16) & 1
-
-
-def write(bench, index, subindex, value, size=2):
-    """An expedited SDO download."""
-    command = 0x23 | (4 - size) << 2
-    data = value.to_bytes(4, "little", signed=value < 0).hex().upper()
-    bench.send(f"605#{command:02X}{index & 0xFF:02X}{index >> 8:02X}{subindex:02X}{data}")
-    bench.run(0.01)

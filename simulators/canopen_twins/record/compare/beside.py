@@ -8,14 +8,17 @@ from contextlib import contextmanager, suppress
 from functools import partial
 
 from canopen_twins.bus import identifiers, sdo
-from canopen_twins.bus.clock import MICROSECONDS
+from canopen_twins.bus.clock import MICROSECONDS, microseconds
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.sdo import Address
 from canopen_twins.bus.segment import Record
+from canopen_twins.device.device import Device
 from canopen_twins.device.node import Node
+from canopen_twins.device.settings import TimingSettings
+from canopen_twins.device.timing import Timing
 from canopen_twins.record.compare.agreement import Account, Agreement, Kind, Subject
 from canopen_twins.record.compare.dialogue import Dialogue, Transfer, outcome
-from canopen_twins.record.compare.judge import Judge
+from canopen_twins.record.compare.judge import Judge, longest_answer
 from canopen_twins.record.compare.stream import WINDOW, Pair, Seen, Stream
 from canopen_twins.record.compare.timeline import Timeline
 from canopen_twins.record.compare.tolerances import Tolerances
@@ -42,6 +45,7 @@ PREDEFINED = (0x180, 0x280, 0x380, 0x480)  # TPDOs
 STATE_OF = {byte: state for state, byte in STATE_BYTE.items()}
 A_LITTLE = 0.05  # of a period
 MILLISECOND = 1_000
+GUARDED = 20 * MILLISECOND  # microseconds within which node guarding is answered
 COMMANDS = {state: command for command, state in TARGET.items()}
 
 Handler = Callable[[int, Frame, bool], None]
@@ -66,9 +70,11 @@ class Beside:
         self.begun = False
         self.in_the_middle = False
         """Whether it is not known what came before: the device has not booted in the trace."""
-        self._judge = Judge(node, agreement, tolerances, records)
+        expected = _at_once(node.device)
+        self._judge = Judge(node, agreement, tolerances, records, expected)
         segment = timeline.segment
-        self.dialogue = Dialogue(self._judge_transfer, self._judge.unasked, segment.send)
+        patience = max(microseconds(longest_answer(expected)), tolerances.time)
+        self.dialogue = Dialogue(self._judge_transfer, self._judge.unasked, segment.send, patience)
         self._agreement = agreement
         self._tolerances = tolerances
         self._timeline = timeline
@@ -78,7 +84,7 @@ class Beside:
         self._knows_state = False
         self._beat: int | None = None  # the last heartbeat of the device, in the middle
         self._beats = False  # whether its period is known
-        self._guarded = [0, 0]  # answers that are due: of the twin, of the device
+        self._guarded = [-GUARDED, -GUARDED]  # when last, until answered: by twin and device
         self._reset: tuple[int, int] | None = None  # the last: in the trace, and for the twin
         self._booted: tuple[int, int] | None = None  # the twin, before the device
         self._deaf = False  # what the twin sends now is of no interest
@@ -114,14 +120,13 @@ class Beside:
         node_id = self.node.node_id
         if frame.remote:
             if frame.can_id == identifiers.heartbeat(node_id):
-                self._guarded = [1, 1]
+                self._guarded = [tick, tick]
             return False
         if frame.can_id == identifiers.NMT and len(frame.data) == 2:
             self._on_nmt(tick, *frame.data)
         if frame.can_id != identifiers.sdo_request(node_id):
             return False
-        self.dialogue.patience = self._patience
-        self.dialogue.ask(tick, self._clock, frame)
+        self.dialogue.ask(tick, frame)
         return True
 
     def _on_nmt(self, tick: int, command: int, target: int) -> None:
@@ -132,7 +137,6 @@ class Beside:
 
     def settle(self, now: float) -> None:
         """Judge what is so old that nothing more will come of it."""
-        self.dialogue.release(self._clock)
         self.dialogue.settle(now)
         for stream in self._streams.values():
             if stream.pending:
@@ -149,12 +153,6 @@ class Beside:
     @property
     def _clock(self) -> int:
         return self._segment.clock.ticks
-
-    @property
-    def _patience(self) -> int:
-        timing = self.node.device.timing
-        longest = timing.answer_time + timing.answer_jitter + timing.store_time
-        return round(longest * MICROSECONDS)
 
     # Where it goes
 
@@ -189,23 +187,27 @@ class Beside:
         if of_device:
             self.dialogue.add_device(tick, frame.data)
         else:
-            self.dialogue.add_twin(tick, self._clock, frame.data)
+            self.dialogue.add_twin(tick, frame.data)
 
     def _on_error_control(self, tick: int, frame: Frame, of_device: bool) -> None:
-        if _is_boot_up(frame) and not self._guarded[of_device]:
+        guarding = tick - self._guarded[of_device] < GUARDED and self._may_guard(frame)
+        if _is_boot_up(frame) and not guarding:
             self._on_boot_up(tick, of_device)
             return
         if of_device and frame.data and self._infer(STATE_OF.get(frame.data[0] & ~TOGGLE)):
             return
-        heartbeat = of_device and not self._guarded[of_device]
-        if heartbeat and self.in_the_middle and self._infer_period(tick):
+        if of_device and not guarding and self.in_the_middle and self._infer_period(tick):
             return
-        service = HEARTBEAT
-        if self._guarded[of_device]:
-            self._guarded[of_device] = 0
-            service = GUARDING
+        if guarding:
+            self._guarded[of_device] = -GUARDED
+        service = GUARDING if guarding else HEARTBEAT
         stream = self._stream(service, partial(self._judge.state, service), self._judge.same_state)
         self._put(stream, tick, frame, of_device, self._state_byte(frame) if of_device else None)
+
+    def _may_guard(self, frame: Frame) -> bool:
+        """Whether it can be the answer to a request: a heartbeat has no toggle bit."""
+        heard = self.heard if isinstance(self.heard, dict) else {}
+        return (frame.can_id, True) in heard or frame.data[:1] >= bytes([TOGGLE])
 
     def _on_emcy(self, tick: int, frame: Frame, of_device: bool) -> None:
         self._put(self._stream(EMCY, self._judge.emcy), tick, frame, of_device)
@@ -259,8 +261,6 @@ class Beside:
                 f"{self.name}: the trace begins in the middle; objects and NMT state are taken from"
                 " what it shows"
             )
-            if frame.can_id == identifiers.sdo_answer(self.node.node_id):
-                self.dialogue.repeat(self._clock)
         else:
             self._booted = tick, self._clock
 
@@ -382,6 +382,15 @@ class Beside:
             return
         self._set(entry, told.value)
         transfer.twin = list(transfer.device)
+
+
+def _at_once(device: Device) -> Timing:
+    """How long the device is said to take, which is judged; the twin answers at once, exactly."""
+    expected = device.timing
+    if isinstance(device.settings, TimingSettings):
+        stores = {} if expected.store_refuses else {"store_time": 0.0}
+        device.configure(answer_time=0.0, answer_jitter=0.0, noise=0.0, **stores)
+    return expected
 
 
 def _is_boot_up(frame: Frame) -> bool:

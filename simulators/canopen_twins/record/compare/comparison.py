@@ -66,6 +66,7 @@ class Comparison:
         if now - self._settled >= SETTLED:
             self.settle(now)
         for beside in self._besides.values():
+            beside.dialogue.hurry(now)
             if beside.node.wire.heard is not beside.heard:
                 self._derive()
         if not (frame.remote or frame.extended):
@@ -73,7 +74,7 @@ class Comparison:
             if its is not None:
                 its.on_device(now, frame)
                 return
-        self._others.add(frame.can_id)
+            self._others.add(frame.can_id)
         taken = [beside.on_master(now, frame) for beside in self._besides.values()]
         if not any(taken):
             self.segment.send(frame)

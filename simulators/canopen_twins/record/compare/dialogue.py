@@ -22,7 +22,7 @@ class Answer(NamedTuple):
     """Microseconds of the trace."""
     data: bytes
     delay: int
-    """Microseconds from its request on."""
+    """Microseconds from its request on, of the device."""
 
 
 @dataclass(slots=True)
@@ -36,6 +36,8 @@ class Transfer:
     access: str
     device: list[Answer] = field(default_factory=list)
     twin: list[Answer] = field(default_factory=list)
+    until: int | None = None
+    """When the next one began."""
 
 
 class Outcome(NamedTuple):
@@ -75,8 +77,8 @@ def outcome(answers: list[Answer]) -> Outcome:
 class Dialogue:
     """Between a client and an SDO server of a node.
 
-    A request that the trace has after the device's answer, while the twin still works on the one
-    before, is held back until that is answered: a slow twin is told once, by its answer time.
+    The twin is asked when the device answers: a request is carried out at the end of its time, and
+    what the master does meanwhile comes before. How long that takes is judged by the trace alone.
     """
 
     def __init__(
@@ -84,21 +86,22 @@ class Dialogue:
         judge: Callable[[Transfer], None],
         unasked: Callable[[int, bytes], None],
         send: Callable[[Frame], None],
+        patience: int,
     ) -> None:
+        """`patience` is in microseconds: the twin is asked then, though the device is silent."""
         self._judge = judge
         self._unasked = unasked
         self._send = send
+        self._patience = patience
         self._conversation = sdo.Conversation()
         self._open: deque[Transfer] = deque()
-        self._asked = 0  # when, in the trace
-        self._sent = 0  # when the twin was asked, in its time
-        self._held: deque[tuple[Frame, Transfer]] = deque()
+        self._asked = 0
+        self._waiting: Frame | None = None
         self._twins: Transfer | None = None  # what the twin was asked last
-        self.patience = 0
-        """Microseconds that the twin may take for an answer."""
 
-    def ask(self, tick: int, now: int, frame: Frame) -> None:
-        """The client asks, at a time of the trace and one of the twin: so is the twin."""
+    def ask(self, tick: int, frame: Frame) -> None:
+        """The client asks, at a time of the trace."""
+        self._put()
         data = frame.data
         self._asked = tick
         whole = len(data) == sdo.LENGTH
@@ -107,65 +110,47 @@ class Dialogue:
         opens = self._conversation.segment == 0 and not sdo.is_abort(data)
         if not whole or opens or not self._open:
             self._begin(tick, frame, whole and data[0] in sdo.INITIATES)
-        if self._held or self._behind(now):
-            self._held.append((frame, self._open[-1]))
-        else:
-            self._put(now, frame, self._open[-1])
-
-    def _put(self, now: int, frame: Frame, transfer: Transfer) -> None:
-        self._sent, self._twins = now, transfer
-        self._send(frame)
+        self._waiting = frame
+        if sdo.is_abort(data):
+            self._put()
 
     def _begin(self, tick: int, frame: Frame, names: bool) -> None:
+        if self._open:
+            self._open[-1].until = tick
         address = self._conversation.address if names else None
         self._open.append(Transfer(tick, frame, address, self._conversation.access))
         self.settle(tick)
 
-    def _behind(self, now: int) -> bool:
-        """Whether the device has answered what the twin has not yet."""
-        if not self.patience or now - self._sent > self.patience:
-            return False
-        return any(len(each.twin) < len(each.device) for each in self._open)
+    def _put(self) -> None:
+        """Let the twin have what waits."""
+        if self._waiting is not None:
+            frame, self._waiting = self._waiting, None
+            self._twins = self._open[-1]
+            self._send(frame)
+
+    def hurry(self, tick: int) -> None:
+        """The device is silent: let the twin have the request before anything else happens."""
+        if self._waiting is not None and tick - self._asked > self._patience:
+            self._put()
 
     def add_device(self, tick: int, data: bytes) -> None:
         """The device has answered."""
+        self._put()
         if (transfer := self._about(data, of_device=True)) is None:
             self._unasked(tick, data)
             return
         self._conversation.answer(data)
         transfer.device.append(Answer(tick, data, tick - self._asked))
 
-    def add_twin(self, tick: int, now: int, data: bytes) -> None:
+    def add_twin(self, tick: int, data: bytes) -> None:
         """The twin has answered."""
-        if (transfer := self._about(data, of_device=False)) is None:
-            return
-        transfer.twin.append(Answer(tick, data, now - self._sent))
-        if self._held:
-            self.release(now)
-
-    def release(self, now: int) -> None:
-        """Ask what was held back, as soon as the twin has answered or had its time."""
-        if self._held and not self._behind(now):
-            self._put(now, *self._held.popleft())
-
-    @property
-    def holds(self) -> bool:
-        """Whether a request is held back."""
-        return bool(self._held)
-
-    def repeat(self, now: int) -> None:
-        """Ask the twin once more what the device is about to answer."""
-        if self._open:
-            self._put(now, self._open[-1].request, self._open[-1])
+        if (transfer := self._about(data, of_device=False)) is not None:
+            transfer.twin.append(Answer(tick, data, 0))
 
     def _about(self, data: bytes, of_device: bool) -> Transfer | None:
         """The transfer that an answer belongs to: the last one, or one that it names."""
-        last = self._open[-1] if self._open else None
-        if not of_device and self._twins is not None:
-            last = self._twins
-        if last is None:
-            return None
-        if len(data) != sdo.LENGTH or sdo.specifier(data) not in NAMING:
+        last = self._open[-1] if of_device and self._open else self._twins
+        if last is None or len(data) != sdo.LENGTH or sdo.specifier(data) not in NAMING:
             return last
         told = sdo.address(data)
         if last.address in (None, told) or (sdo.is_abort(data) and not any(data[1:4])):

@@ -8,11 +8,12 @@ from functools import cached_property, partial
 
 from canopen import SdoAbortedError
 
-from canopen_twins.bus import identifiers
-from canopen_twins.bus.clock import MICROSECONDS
+from canopen_twins.bus import identifiers, sdo
+from canopen_twins.bus.clock import MICROSECONDS, microseconds
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Record
 from canopen_twins.device.node import Node
+from canopen_twins.device.timing import Timing
 from canopen_twins.diagnosis.decoder import STATES, Decoder
 from canopen_twins.diagnosis.why import why
 from canopen_twins.record.compare.agreement import Account, Agreement, Kind, Subject
@@ -36,13 +37,20 @@ class Judge:
     """Of one node. What it finds goes to an agreement."""
 
     def __init__(
-        self, node: Node, agreement: Agreement, tolerances: Tolerances, records: deque[Record]
+        self,
+        node: Node,
+        agreement: Agreement,
+        tolerances: Tolerances,
+        records: deque[Record],
+        expected: Timing,
     ) -> None:
+        """`expected` is how long the device is said to take."""
         self.node = node
         self.name = node.wire.name
         self.agreement = agreement
         self.tolerances = tolerances
         self._records = records
+        self._expected = expected
         self._decoder = Decoder([node])
         self._answer_time = Subject(self.name, ANSWER_TIME)
         self._subjects: dict[Address | None, Subject] = {}
@@ -62,38 +70,49 @@ class Judge:
             self.agreement.differ(
                 subject, kind, transfer.tick, lambda: self._account(transfer, text)
             )
-        for one, other in zip(device, twin, strict=False):
-            self._judge_delay(transfer, one, other)
+        for answer in device if twin else ():
+            self._judge_delay(transfer, answer)
 
-    def _judge_delay(self, transfer: Transfer, one: Answer, other: Answer) -> None:
-        late = one.delay - other.delay
-        if abs(late) <= self.tolerances.time:
+    def _judge_delay(self, transfer: Transfer, answer: Answer) -> None:
+        least, most = microseconds(self._expected.answer_time), self._longest
+        stores = transfer.address is not None and transfer.address[0] in STORING
+        if stores and transfer.access == sdo.WRITE and not self._expected.store_refuses:
+            extra = microseconds(self._expected.store_time)
+            least, most = least + extra * (outcome(transfer.twin).code is None), most + extra
+        if least - self.tolerances.time <= answer.delay <= most + self.tolerances.time:
             self.agreement.agree(self._answer_time)
             return
-        stores = transfer.address is not None and transfer.address[0] in STORING
         subject = self._about(transfer.address) if stores else None
 
         def account() -> Account:
-            text = f"after {_seconds(one.delay)}, the twin after {_seconds(other.delay)}"
-            return self._account(transfer, text)
+            span = _seconds(least) if least == most else f"{_seconds(least)} to {_seconds(most)}"
+            return self._account(transfer, f"after {_seconds(answer.delay)}, the twin after {span}")
 
         self.agreement.differ(self._answer_time, Kind.TIME, transfer.tick, account, subject)
 
     def _unlike(self, transfer: Transfer) -> tuple[Kind, str] | None:
         """In what the answers differ; none if only in what means nothing."""
         if not transfer.device:
+            if transfer.until is not None and transfer.until - transfer.tick < self._longest:
+                return None  # the next one has taken its place
             return Kind.LACKS, "the device has not answered, the twin has"
         if not transfer.twin:
             return Kind.MORE, "the device has answered, the twin has not"
         device, twin = outcome(transfer.device), outcome(transfer.twin)
         if device.code != twin.code:
             return _other_code(device.code, twin.code)
+        return self._other_answer(transfer, device, twin)
+
+    def _other_answer(
+        self, transfer: Transfer, device: Outcome, twin: Outcome
+    ) -> tuple[Kind, str] | None:
         if device.form != twin.form:
             return Kind.FORM, f"{device.form}, not {twin.form}"
         if not self._same_value(transfer.address, device, twin):
             return Kind.VALUE, f"{self._value(transfer, device)}, not {self._value(transfer, twin)}"
-        heads = [[each.data[:4] for each in side[:1]] for side in (transfer.device, transfer.twin)]
-        return (Kind.FORM, "an answer that begins otherwise") if heads[0] != heads[1] else None
+        if _heads(transfer.device) != _heads(transfer.twin):
+            return Kind.FORM, "an answer that begins otherwise"
+        return None
 
     def _same_value(self, address: Address | None, device: Outcome, twin: Outcome) -> bool:
         if device.value == twin.value:
@@ -106,8 +125,8 @@ class Judge:
         return self._same(entry, device.value, twin.value)
 
     def _same(self, entry: Entry, one: bytes, other: bytes) -> bool:
-        measured = entry.address in self._measured
-        return self.tolerances.same(entry.address, measured, entry.unpack(one), entry.unpack(other))
+        noise = self._expected.noise if entry.address in self._measured else None
+        return self.tolerances.same(entry.address, noise, entry.unpack(one), entry.unpack(other))
 
     def _value(self, transfer: Transfer, told: Outcome) -> str:
         value = told.value or b""
@@ -156,6 +175,10 @@ class Judge:
             return slave.entry(*address)
         except Rejected:
             return None
+
+    @cached_property
+    def _longest(self) -> int:
+        return microseconds(longest_answer(self._expected))
 
     @cached_property
     def _measured(self) -> frozenset[Address]:
@@ -314,6 +337,11 @@ class Judge:
         return [line for line in lines if line.startswith(frame) or "silent" in line]
 
 
+def longest_answer(timing: Timing) -> float:
+    """Seconds for an answer that stores nothing."""
+    return timing.answer_time + timing.answer_jitter
+
+
 def _late(pair: Pair) -> str:
     if pair.intervals is not None:
         return (
@@ -324,6 +352,11 @@ def _late(pair: Pair) -> str:
 
 def _seconds(microseconds: float) -> str:
     return f"{microseconds / MICROSECONDS:.6f} s"
+
+
+def _heads(answers: Sequence[Answer]) -> list[bytes]:
+    """What the answers say beside their values: of an initiate the object, too."""
+    return [each.data[: 1 if place else 4] for place, each in enumerate(answers)]
 
 
 def _other_code(device: int | None, twin: int | None) -> tuple[Kind, str]:

@@ -35,13 +35,16 @@ class Tolerances:
     objects: Mapping[Address, Allowed | None] = field(default_factory=dict)
     """Of single objects; none for one that is not compared."""
 
-    def same(self, address: Address, measured: bool, one: object, other: object) -> bool:
-        """Whether two values of an object are as good as the same."""
+    def same(self, address: Address, noise: float | None, one: object, other: object) -> bool:
+        """Whether two values of an object are as good as the same.
+
+        `noise` is in digits, of an object that is measured; none of any other.
+        """
         if one == other:
             return True
-        allowed = self.objects.get(address, self.value if measured else EXACT)
+        allowed = self.objects.get(address, EXACT if noise is None else self.value)
         if allowed is None:
             return True
         if not isinstance(one, int | float) or not isinstance(other, int | float):
             return False
-        return allowed.covers(one, other)
+        return allowed.covers(one, other) or abs(one - other) <= (noise or 0.0)
