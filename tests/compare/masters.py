@@ -1,7 +1,7 @@
 """What masters do with their devices: each exercises much of one, in a few simulated seconds."""
 
 PAUSE = 0.004  # seconds
-PATIENCE = 125  # pauses until an answer is given up
+PATIENCE = 250  # pauses until an answer is given up
 
 
 class Master:

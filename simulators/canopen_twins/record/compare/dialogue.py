@@ -36,6 +36,8 @@ class Transfer:
     access: str
     device: list[Answer] = field(default_factory=list)
     twin: list[Answer] = field(default_factory=list)
+    asked: int = 0
+    """When the client has asked last."""
     until: int | None = None
     """When the next one began."""
 
@@ -95,7 +97,6 @@ class Dialogue:
         self._patience = patience
         self._conversation = sdo.Conversation()
         self._open: deque[Transfer] = deque()
-        self._asked = 0
         self._waiting: Frame | None = None
         self._twins: Transfer | None = None  # what the twin was asked last
 
@@ -103,13 +104,13 @@ class Dialogue:
         """The client asks, at a time of the trace."""
         self._put()
         data = frame.data
-        self._asked = tick
         whole = len(data) == sdo.LENGTH
         if whole:
             self._conversation.ask(data)
         opens = self._conversation.segment == 0 and not sdo.is_abort(data)
         if not whole or opens or not self._open:
             self._begin(tick, frame, whole and data[0] in sdo.INITIATES)
+        self._open[-1].asked = tick
         self._waiting = frame
         if sdo.is_abort(data):
             self._put()
@@ -130,7 +131,7 @@ class Dialogue:
 
     def hurry(self, tick: int) -> None:
         """The device is silent: let the twin have the request before anything else happens."""
-        if self._waiting is not None and tick - self._asked > self._patience:
+        if self._waiting is not None and tick - self._open[-1].asked > self._patience:
             self._put()
 
     def add_device(self, tick: int, data: bytes) -> None:
@@ -140,7 +141,7 @@ class Dialogue:
             self._unasked(tick, data)
             return
         self._conversation.answer(data)
-        transfer.device.append(Answer(tick, data, tick - self._asked))
+        transfer.device.append(Answer(tick, data, tick - transfer.asked))
 
     def add_twin(self, tick: int, data: bytes) -> None:
         """The twin has answered."""

@@ -74,15 +74,11 @@ class Judge:
             self._judge_delay(transfer, answer)
 
     def _judge_delay(self, transfer: Transfer, answer: Answer) -> None:
-        least, most = microseconds(self._expected.answer_time), self._longest
-        stores = transfer.address is not None and transfer.address[0] in STORING
-        if stores and transfer.access == sdo.WRITE and not self._expected.store_refuses:
-            extra = microseconds(self._expected.store_time)
-            least, most = least + extra * (outcome(transfer.twin).code is None), most + extra
+        least, most = self._span(transfer)
         if least - self.tolerances.time <= answer.delay <= most + self.tolerances.time:
             self.agreement.agree(self._answer_time)
             return
-        subject = self._about(transfer.address) if stores else None
+        subject = self._about(transfer.address) if _stores(transfer) else None
 
         def account() -> Account:
             span = _seconds(least) if least == most else f"{_seconds(least)} to {_seconds(most)}"
@@ -90,10 +86,22 @@ class Judge:
 
         self.agreement.differ(self._answer_time, Kind.TIME, transfer.tick, account, subject)
 
+    def _span(self, transfer: Transfer) -> tuple[int, int]:
+        """Microseconds that an answer takes at least and at most, as the settings say."""
+        least = microseconds(self._expected.answer_time)
+        most = microseconds(longest_answer(self._expected))
+        if _stores(transfer) and not self._expected.store_refuses:
+            extra = microseconds(self._expected.store_time)
+            return (least + extra * (outcome(transfer.twin).code is None), most + extra)
+        return least, most
+
     def _unlike(self, transfer: Transfer) -> tuple[Kind, str] | None:
         """In what the answers differ; none if only in what means nothing."""
         if not transfer.device:
-            if transfer.until is not None and transfer.until - transfer.tick < self._longest:
+            if (
+                transfer.until is not None
+                and transfer.until - transfer.tick < self._span(transfer)[1]
+            ):
                 return None  # the next one has taken its place
             return Kind.LACKS, "the device has not answered, the twin has"
         if not transfer.twin:
@@ -175,10 +183,6 @@ class Judge:
             return slave.entry(*address)
         except Rejected:
             return None
-
-    @cached_property
-    def _longest(self) -> int:
-        return microseconds(longest_answer(self._expected))
 
     @cached_property
     def _measured(self) -> frozenset[Address]:
@@ -335,6 +339,12 @@ class Judge:
         """What the twin knows of a frame, or of its silence."""
         lines = why(self.node, list(self._records)[-RECENT:])
         return [line for line in lines if line.startswith(frame) or "silent" in line]
+
+
+def _stores(transfer: Transfer) -> bool:
+    """Whether it is a command to store or to restore."""
+    stores = transfer.address is not None and transfer.address[0] in STORING
+    return stores and transfer.access == sdo.WRITE
 
 
 def longest_answer(timing: Timing) -> float:
