@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from canopen_twins import devices
@@ -11,8 +12,9 @@ from canopen_twins.cli.command import DEVICE, FAILED, OK, Parser, add_device, de
 from canopen_twins.cli.traces import add_trace_options, opened, tell_damage
 from canopen_twins.device.device import Device
 from canopen_twins.errors import UserError
-from canopen_twins.record.compare import Comparison
-from canopen_twins.record.compare.report import text
+from canopen_twins.files.whole import write_whole
+from canopen_twins.record.compare import Comparison, Tolerances
+from canopen_twins.record.compare.report import as_json, as_page, text
 from canopen_twins.scenario import load_bench
 
 
@@ -21,19 +23,60 @@ def add_compare(parser: Parser) -> None:
     add_device(parser, f"{DEVICE}, or a bench file: the nodes that the trace is of")
     parser.add_argument("trace", type=Path, metavar="TRACE", help="what was on the bus")
     add_trace_options(parser)
+    add_tolerances(parser)
+    parser.add_argument("--json", action="store_true", help="the report for programs")
+    parser.add_argument("--html", type=Path, metavar="FILE", help="write the report as a page")
     parser.set_defaults(command=compare)
+
+
+def add_tolerances(parser: Parser) -> None:
+    """How far a device and its twin may be apart."""
+    parser.add_argument("--time", metavar="TIME", help="a time may be off by (default: 5ms)")
+    text = "a measured value may be off by: 1%%, or 3 for digits (default: not at all)"
+    parser.add_argument("--value", metavar="SHARE", help=text)
+    text = "YAML: time, value, and objects with tolerances of their own"
+    parser.add_argument("--tolerances", type=Path, metavar="FILE", help=text)
 
 
 def compare(options: argparse.Namespace) -> int:
     """0 if all agrees, 1 if something does not."""
-    comparison = Comparison(participants(options))
+    devices = participants(options)
+    comparison = Comparison(devices, tolerances(options, devices.values()))
     trace = opened(options, options.trace)
     for sent in trace:
         comparison.hear(sent.tick, sent.frame)
     agreement = comparison.end()
     tell_damage(trace)
-    print(text(agreement))
+    if options.html is not None:
+        _write(options.html, as_page(agreement, f"{options.device} beside {options.trace.name}"))
+    print(as_json(agreement) if options.json else text(agreement))
     return FAILED if agreement.differences else OK
+
+
+def _write(path: Path, content: str) -> None:
+    try:
+        write_whole(path, content)
+    except OSError as failure:
+        raise UserError(f"{path} cannot be written: {failure.strerror}") from failure
+
+
+def tolerances(options: argparse.Namespace, devices: Iterable[Device]) -> Tolerances:
+    """What the options say; they have the last word.
+
+    Raises:
+        UserError: a time or a share that is none, or a mistake in the file.
+    """
+    # pydantic, which only a file needs
+    from canopen_twins.record.compare import tolerance_file as files  # noqa: PLC0415
+
+    allowed = Tolerances()
+    if options.tolerances is not None:
+        allowed = files.read_tolerances(options.tolerances, devices)
+    if options.time is not None:
+        allowed = replace(allowed, time=files.time_of(options.time))
+    if options.value is not None:
+        allowed = replace(allowed, value=files.allowed_of(options.value))
+    return allowed
 
 
 def participants(options: argparse.Namespace) -> Mapping[str, Device]:

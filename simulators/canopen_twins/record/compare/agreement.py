@@ -1,6 +1,6 @@
 """What a comparison has found: how often both agree, and the first difference of each kind."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import NamedTuple
@@ -80,6 +80,8 @@ class Agreement:
     differences: dict[tuple[Subject, Kind, str], Difference] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
     """What was done to follow the trace, in words."""
+    unexercised: dict[str, list[str]] = field(default_factory=dict)
+    """What the trace has not shown of each node, in words."""
     on_new: Callable[[Difference], None] = lambda difference: None
 
     def agree(self, subject: Subject) -> None:
@@ -125,9 +127,9 @@ class Agreement:
         """From 0 to 1; 1 if nothing was compared."""
         return self.agreed / self.total if self.total else 1.0
 
-    def services(self) -> Iterable[str]:
-        """What was compared at all."""
-        return dict.fromkeys(subject.service for subject in self.rows)
+    def services(self, node: str) -> set[str]:
+        """What was compared of a node at all."""
+        return {subject.service for subject in self.rows if subject.node == node}
 
     def _row(self, subject: Subject) -> Row:
         row = self.rows.get(subject)

@@ -22,6 +22,7 @@ from canopen_twins.record.compare.judge import Judge, longest_answer
 from canopen_twins.record.compare.stream import WINDOW, Pair, Seen, Stream
 from canopen_twins.record.compare.timeline import Timeline
 from canopen_twins.record.compare.tolerances import Tolerances
+from canopen_twins.record.compare.unexercised import Exercised
 from canopen_twins.slave.emcy import emcy_id
 from canopen_twins.slave.error_control import TOGGLE
 from canopen_twins.slave.nmt import ALL_NODES, RESETS, STATE_BYTE, TARGET
@@ -88,6 +89,7 @@ class Beside:
         self._reset: tuple[int, int] | None = None  # the last: in the trace, and for the twin
         self._booted: tuple[int, int] | None = None  # the twin, before the device
         self._deaf = False  # what the twin sends now is of no interest
+        self.exercised = Exercised()
         self.derive()
 
     # What comes in
@@ -131,6 +133,7 @@ class Beside:
 
     def _on_nmt(self, tick: int, command: int, target: int) -> None:
         if target in (ALL_NODES, self.node.node_id):
+            self.exercised.commands.add(command)
             if command in RESETS:
                 self._reset = tick, self._clock
             self._knows_state = True
@@ -364,6 +367,8 @@ class Beside:
     # SDO
 
     def _judge_transfer(self, transfer: Transfer) -> None:
+        if transfer.address is not None:
+            self.exercised.objects.add(transfer.address)
         if transfer.access == sdo.WRITE and transfer.address is not None:
             self._written.add(transfer.address)
         elif self.in_the_middle:

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.identifiers import Cob, classify
 from canopen_twins.bus.segment import Record, Segment
+from canopen_twins.bus.wire import Heard
 from canopen_twins.device.device import Device
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
@@ -16,6 +17,7 @@ from canopen_twins.record.compare.agreement import Agreement
 from canopen_twins.record.compare.beside import Beside
 from canopen_twins.record.compare.timeline import Timeline
 from canopen_twins.record.compare.tolerances import Tolerances
+from canopen_twins.record.compare.unexercised import unexercised
 
 OF_SLAVES = (Cob.EMCY, Cob.SDO_ANSWER, Cob.HEARTBEAT)
 RECENT = 40  # frames that are kept
@@ -50,7 +52,7 @@ class Comparison:
             for name, device in devices.items()
         }
         self._of_devices: dict[int, Beside] = {}
-        self._others: set[int] = set()  # identifiers that are of none of them
+        self._others: set[Heard] = set()  # identifiers of none of them
         self._settled = 0
         self.segment.masters.append(self._hear)
         self._derive()
@@ -74,7 +76,7 @@ class Comparison:
             if its is not None:
                 its.on_device(now, frame)
                 return
-            self._others.add(frame.can_id)
+        self._others.add((frame.can_id, frame.remote))
         taken = [beside.on_master(now, frame) for beside in self._besides.values()]
         if not any(taken):
             self.segment.send(frame)
@@ -94,13 +96,17 @@ class Comparison:
         for name, beside in self._besides.items():
             if not beside.begun:
                 self._refuse(name, beside.node.node_id)
-        for beside in self._besides.values():
+        for name, beside in self._besides.items():
             beside.end(self.timeline.now)
+            beside.exercised.heard = self._others
+            services = self.agreement.services(name)
+            lines = unexercised(beside.node, beside.exercised, services)
+            self.agreement.unexercised[name] = list(lines)
         self.agreement.remarks += self.timeline.left_out
         return self.agreement
 
     def _refuse(self, name: str, node_id: int) -> None:
-        known = [classify(can_id) for can_id in self._others]
+        known = [classify(can_id) for can_id, remote in self._others if not remote]
         others = sorted({each.node_id for each in known if each and each.cob in OF_SLAVES})
         told = f", but of node {', '.join(map(str, others))}" if others else ""
         raise UserError(f"the trace has nothing of node {node_id} ({name}){told}")
