@@ -9,7 +9,8 @@ is written in the standard or in a manual, never in what a twin does.
 """
 
 from canopen_twins.conform.bus import RealBus
-from canopen_twins.conform.run import conform, topics
+from canopen_twins.conform.run import GROUPS, conform, topics
+from canopen_twins.conform.topic import Topic
 from canopen_twins.conform.twin import conform_twin, slave_of
 
-__all__ = ["RealBus", "conform", "conform_twin", "slave_of", "topics"]
+__all__ = ["GROUPS", "RealBus", "Topic", "conform", "conform_twin", "slave_of", "topics"]

@@ -15,6 +15,7 @@ PDOS = Group(3, "PDO", "pdo")
 RPDOS, TPDOS = range(0x1400, 0x1600), range(0x1800, 0x1A00)
 MAPPINGS = 0x200  # from a communication record to its mapping
 COB_ID, TYPE, INHIBIT_TIME, EVENT_TIMER = 1, 2, 3, 5
+SYNC_COB_ID = 0x1005
 LONGEST = 64  # bits
 PREDEFINED = {RPDOS: 0x200, TPDOS: 0x180}
 EVENTS = (254, 255)
@@ -139,6 +140,19 @@ def switch_off(tester: Tester, pdo: Pdo) -> int:
     cob_id = tester.number(pdo.record, COB_ID)
     tester.write((pdo.record, COB_ID), cob_id | identifiers.INVALID)
     return cob_id
+
+
+def produce_sync(tester: Tester) -> None:
+    """Let SYNC come from the tester alone.
+
+    Raises:
+        NotApplicable: the slave sends it, and cannot be told not to.
+    """
+    if tester.entry(SYNC_COB_ID) is not None:
+        cob_id = tester.number(SYNC_COB_ID)
+        if cob_id & identifiers.PRODUCES:
+            tester.need_writable(SYNC_COB_ID)
+            tester.write((SYNC_COB_ID, 0), cob_id & ~identifiers.PRODUCES)
 
 
 def expect_none(tester: Tester, can_ids: Collection[int], when: str) -> None:

@@ -15,6 +15,7 @@ from canopen_twins.conform.pdo import (
     Pdo,
     obtain,
     parts,
+    produce_sync,
     records,
     switch_off,
     valid,
@@ -95,6 +96,7 @@ def is_taken_at_once(tester: Tester) -> None:
 def is_taken_at_sync(tester: Tester) -> None:
     """A synchronous RPDO is taken at the next SYNC, and not before."""
     target = _target(tester, SYNCHRONOUS)
+    produce_sync(tester)
     tester.nmt(START)
     tester.send(target.pdo.can_id, target.data)
     target.expect(tester, False, "before SYNC")

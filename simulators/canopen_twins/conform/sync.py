@@ -1,7 +1,7 @@
 """Topics about SYNC, of a slave that follows it and of one that produces it."""
 
 from canopen_twins.bus import identifiers
-from canopen_twins.conform.pdo import TPDOS, obtain
+from canopen_twins.conform.pdo import TPDOS, obtain, produce_sync
 from canopen_twins.conform.store import expect_stored
 from canopen_twins.conform.tester import SILENCE, START, Failed, Tester
 from canopen_twins.conform.topic import Group
@@ -30,6 +30,7 @@ def other_identifier_is_followed(tester: Tester) -> None:
     """A synchronous TPDO follows a SYNC with another identifier when it has got one."""
     tester.need_writable(COB_ID)
     pdo = obtain(tester, TPDOS, [1])
+    produce_sync(tester)
     tester.write((COB_ID, 0), OTHER)
     tester.nmt(START)
     tester.forget()
@@ -117,6 +118,7 @@ def counter_is_kept_while_sync_runs(tester: Tester) -> None:
 def is_followed_in_operational_only(tester: Tester) -> None:
     """A synchronous TPDO follows SYNC in Operational, and not before."""
     pdo = obtain(tester, TPDOS, [1])
+    produce_sync(tester)
     tester.forget()
     tester.send(identifiers.SYNC)
     tester.expect_silence(pdo.can_id, "follows SYNC in pre-operational", SILENCE)

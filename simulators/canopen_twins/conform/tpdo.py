@@ -14,6 +14,7 @@ from canopen_twins.conform.pdo import (
     expect_none,
     need_records,
     obtain,
+    produce_sync,
     switch_off,
     valid,
 )
@@ -39,6 +40,7 @@ RESERVED = (241, 251)  # types
 
 def _started(tester: Tester, pdo: Pdo) -> Pdo:
     """Begin Operational; what is sent at once is of no interest."""
+    produce_sync(tester)
     tester.nmt(START)
     for _ in tester.listen(SILENCE):
         pass
