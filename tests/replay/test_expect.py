@@ -226,3 +226,26 @@ def test_a_silent_node_has_no_values(played):
         """
     )
     assert outcomes == ["FAIL 1 Word is (silent)", "PASS 2 Word is 0x1234"]
+
+
+def test_being_in_a_state_is_another_thing_than_entering_it(played):
+    _, outcomes = played(
+        """\
+        - {at: 1, expect: {nmt_state: pre-operational}}
+        - {at: 1, expect: {nmt_state: operational}}
+        - {at: 1, expect: {nmt_state: operational, within: 1.5}}
+        - {at: 1, expect: {state: pre-operational, within: 0.5}}
+        - {at: 1, expect: {never: {nmt_state: stopped}}}
+        - {at: 2, nmt: start}
+        - {when: {nmt_state: operational}, power: off}
+        - {after: 0, expect: {nmt_state: initialising}}
+        """
+    )
+    assert [outcome.replace("  ", " ") for outcome in outcomes] == [
+        "PASS 1 pre-operational",
+        "FAIL 1 pre-operational",
+        "PASS 2 operational",
+        "FAIL 1.5 none came",
+        "PASS 2.5 initialising",
+        "PASS 2 initialising",
+    ]

@@ -39,6 +39,7 @@ from canopen_twins.faults import connect
 from canopen_twins.files.whole import held
 from canopen_twins.live.bus import OpenBus, with_node_id_check
 from canopen_twins.live.master_process import MasterProcess
+from canopen_twins.live.master_watch import MasterWatch
 from canopen_twins.live.node_id_watch import NodeIdWatch
 from canopen_twins.live.run_end import RunEnd
 from canopen_twins.live.serve import serve
@@ -111,7 +112,8 @@ def _run(options: argparse.Namespace, signals: Signals) -> int:
             begin(segment, player, observers)
             ready = {**_ready(_title(options, scenario), segment), **bus.told, **control.told}
             opening = _opening(bus, segment, options.exclusive)
-            serve(segment, opening, end, partial(_begin, ready, master), control.orders)
+            watch = MasterWatch(segment, player)
+            serve(segment, opening, end, partial(_begin, ready, master, watch), control.orders)
         code = _code_of(master, signals) if player is None else _told(player, announcer, signals)
     if exclusive and doubles.found:
         raise UserError("ended: a node id belongs to one node alone (--no-exclusive goes on)")
@@ -141,8 +143,9 @@ def _beside(options: argparse.Namespace, bus: NamedBus) -> Iterator[MasterProces
             master.end()
 
 
-def _begin(ready: Mapping[str, object], master: MasterProcess | None) -> None:
+def _begin(ready: Mapping[str, object], master: MasterProcess | None, watch: MasterWatch) -> None:
     """All is on the bus."""
+    watch.start()
     print(json.dumps(ready), flush=True)
     if master is not None:
         master.start()

@@ -34,6 +34,7 @@ from canopen_twins.scenario.matchers import (
     FrameLike,
     HeartbeatLike,
     Holds,
+    IsIn,
     Matcher,
     Written,
 )
@@ -389,6 +390,7 @@ SIGNS: Mapping[str, Callable[..., Matcher]] = {
     "heartbeat": lambda state, *_: HeartbeatLike(None if state in (ANY, NONE) else state),
     "silence": lambda _, __, by_master: AnyFrame(by_master),
     "state": lambda state, *_: Entered(state),
+    "nmt_state": lambda state, *_: IsIn(state),
     "write": lambda values, node, _: Written(_wanted(values, node.objects.find_any)),
     "nmt": lambda command, *_: Commanded(command),
 }

@@ -36,6 +36,8 @@ class Matcher:
 
     polled: ClassVar[bool] = False
     """Whether it is seen by a look at the node, not in the events of the bus."""
+    by_master: bool = False
+    """Whether a master does it."""
 
     @property
     def parts(self) -> tuple[Matcher, ...]:
@@ -102,8 +104,6 @@ COMMAND_LENGTH = 2
 
 class FrameMatcher(Matcher):
     """Picks from the frames of one node, or from those of the master."""
-
-    by_master: bool = False
 
     def matches(self, event: BusEvent, node: Node) -> bool:
         """A frame of the right sender that is meant."""
@@ -321,6 +321,26 @@ class Entered(Matcher):
         return f"state {self.state.lower()}"
 
 
+@dataclass(frozen=True)
+class IsIn(Matcher):
+    """The node is in an NMT state at a look, whenever it has entered it."""
+
+    state: State
+    polled = True
+
+    @property
+    def expected(self) -> Expected:
+        """The state."""
+        return ExpectedState(self.state)
+
+    def poll(self, node: Node) -> tuple[bool, str]:
+        """Whether it is in the state at this moment."""
+        return node.state is self.state, node.state.lower()
+
+    def __str__(self) -> str:
+        return f"in NMT state {self.state.lower()}"
+
+
 def _state(event: BusEvent) -> State:
     assert isinstance(event, Changed)
     return event.state
@@ -334,6 +354,7 @@ class Written(Matcher):
     """The master writes objects, by SDO or with an RPDO: all of them, in any order."""
 
     wanted: tuple[tuple[Target, Wanted], ...]
+    by_master = True
 
     @property
     def expected(self) -> Expected:

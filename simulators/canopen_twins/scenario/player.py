@@ -1,6 +1,7 @@
 """A scenario on a segment, whoever drives its clock: its steps in their order, then its cleanup."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 
 from canopen_twins.bench.python_master import Ended
@@ -13,8 +14,10 @@ from canopen_twins.scenario.actions import (
     Expectation,
     Inject,
     Limit,
+    Nmt,
     RunMaster,
     Surroundings,
+    Write,
 )
 from canopen_twins.scenario.always import Rule
 from canopen_twins.scenario.bus_events import BusEvents
@@ -26,7 +29,7 @@ from canopen_twins.scenario.scenario import At, Scenario, Step
 from canopen_twins.scenario.sdo_client import ScenarioMaster
 from canopen_twins.scenario.step_run import InjectedFaults, Resources
 from canopen_twins.scenario.step_sequence import StepSequence
-from canopen_twins.scenario.verdict import Finding, Kind, Verdict
+from canopen_twins.scenario.verdict import Finding, Kind, Outcome, Verdict
 from canopen_twins.slave.service import State
 
 WITHOUT_MASTER = Finding(Kind.SKIP, "left out: the master has ended before")
@@ -58,6 +61,8 @@ class Player:
         self.scenario = scenario
         self.ended: Ended | None = None
         """How the master of the file has ended, if otherwise than by returning."""
+        self.no_master_heard = False
+        """Whether nobody outside has sent anything for so long that it explains what is missed."""
         self._segment = segment
         self._clock = segment.clock
         self._nodes = {name: nodes[name] for name in scenario.nodes}
@@ -141,6 +146,13 @@ class Player:
         return self._disturbances.fired
 
     @property
+    def is_about_a_master(self) -> bool:
+        """Whether something is waited for or expected that a master does, and none of its steps."""
+        own = (step.action for step in self.scenario.steps)
+        driven = any(isinstance(action, (Write, Nmt)) for action in own)
+        return not driven and any(matcher.by_master for _, matcher in _watched(self.scenario))
+
+    @property
     def judged(self) -> bool:
         """Whether anything has been decided by now."""
         return self.done or self._log.judged
@@ -151,6 +163,8 @@ class Player:
         outcomes = self._log.outcomes(
             [*self._steps.undecided, *self._healing.undecided, *self._cleanup.undecided]
         )
+        if self.no_master_heard:
+            outcomes = tuple(map(_without_master, outcomes))
         told, now = self.scenario, self._log.now
         return Verdict(str(told.file), outcomes, told.name, told.seed, seconds=now)
 
@@ -188,6 +202,13 @@ class Player:
             for rule in self._always:
                 rule.end()
             self._cleanup.start()
+
+
+def _without_master(outcome: Outcome) -> Outcome:
+    """What did not come, with the reason that stands behind all of it."""
+    if outcome.kind not in (Kind.FAIL, Kind.ERROR) or not outcome.line:
+        return outcome
+    return replace(outcome, seen=f"no master heard ({outcome.seen})")
 
 
 def _watched(scenario: Scenario) -> Iterator[tuple[str, Matcher]]:

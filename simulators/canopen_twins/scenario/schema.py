@@ -105,8 +105,8 @@ WORD_OR_TABLE = Discriminator(lambda found: "table" if found.is_mapping else "wo
 
 
 MOST_TIMES = 100_000
-KINDS = ("emcy", "value", "frame", "heartbeat", "state", "write", "nmt")
-EXPECTED = ("emcy", "value", "frame", "heartbeat", "silence", "state", "write", "nmt", "never")
+KINDS = ("emcy", "value", "frame", "heartbeat", "state", "nmt_state", "write", "nmt")
+EXPECTED = (*KINDS, "silence", "never")
 SOMETHING = "empty; at least one key with a value is wanted here"
 RANGE = "wanted is {is: 5}, {is: 5, tolerance: 1}, {min: 4} or {max: 6} or both"
 WINDOW = "'within' is missing: the seconds it may take, or 'before': what ends the time"
@@ -165,6 +165,8 @@ class Sign(Table):
     """All of these objects have these values at a look, which leaves no trace on the bus."""
     state: Annotated[State, word("NMT state", STATES)] | None = None
     """The node enters this NMT state; being in it already does not count."""
+    nmt_state: Annotated[State, word("NMT state", STATES)] | None = None
+    """The node is in this NMT state at a look, which leaves no trace on the bus."""
     write: Values | None = None
     """The master writes these objects, by SDO or RPDO; attempts count, answered or refused."""
     nmt: Command | None = None
@@ -201,7 +203,7 @@ class Expect(Sign):
     rules = (
         one_of("to expect", EXPECTED),
         beside("from", ("frame", "silence")),
-        some_of(("within", "before", "value", "never"), WINDOW),
+        some_of(("within", "before", "value", "nmt_state", "never"), WINDOW),
     )
 
     emcy: (
