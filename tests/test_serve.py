@@ -286,6 +286,54 @@ def test_a_gap_is_left_out_and_told(driven, segment, wall, caplog):
     ]
 
 
+@pytest.fixture
+def stalled(driven, segment, wall):
+    """The end of a stall of half a second, and what is sent around it with times of the wall."""
+    sdo = "605#2B17100010000000", "605#2F001802FE000000", "605#2B0018050A000000"
+
+    def stalled(*requests):
+        driven(0.005, *((0.0, text) for text in (*sdo, *requests, "000#0105")))
+
+        def stand_still(frame, sender):
+            if frame.can_id == 0x705 and not ends and segment.clock.now > 0.05:
+                wall.now += 0.5
+                ends.append(wall.now - 1000)
+
+        ends = []
+        segment.listeners.append(stand_still)
+        sent = driven(1.0).sent
+        return ends[0], sent
+
+    return stalled
+
+
+def around(stall, sent, can_id, period):
+    """How many frames come right after a stall, and whether the later ones are in step."""
+    times = [time for time, each in sent if each == can_id]
+    at_once = [time for time in times if stall <= time < stall + 0.001]
+    later = [time - times[0] for time in times if time > stall + 0.001]
+    assert len(later) == pytest.approx(0.45 / period, abs=3)
+    return len(at_once), all(abs(time / period - round(time / period)) < 0.05 for time in later)
+
+
+TOLD = "stood still for 0.5 s: periodic messages that are late"
+
+
+def test_after_a_stall_periodic_messages_are_sent_once_and_go_on_in_step(stalled, caplog):
+    end, sent = stalled()
+    assert around(end, sent, 0x705, 0.016) == (2, True)  # with the one that was under way
+    assert around(end, sent, 0x185, 0.010) == (1, True)
+    assert caplog.messages == [f"{TOLD} are sent once"]
+
+
+def test_after_a_stall_all_of_them_are_sent_if_that_is_wanted(stalled, segment, caplog):
+    segment.clock.catches_up = True
+    end, sent = stalled()
+    assert around(end, sent, 0x705, 0.016) == (32, True)
+    assert around(end, sent, 0x185, 0.010)[0] > 45
+    assert caplog.messages == [f"{TOLD} follow one another"]
+
+
 def test_a_model_that_is_too_slow_leaves_room_for_frames_between_its_steps(driven, segment, wall):
     probe, answered = segment.nodes[0].device, []
 

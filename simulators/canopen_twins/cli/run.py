@@ -44,7 +44,7 @@ from canopen_twins.live.node_id_watch import NodeIdWatch
 from canopen_twins.live.run_end import RunEnd
 from canopen_twins.live.serve import serve
 from canopen_twins.scenario import Player, Scenario, begin, load_bench
-from canopen_twins.scenario.scenario import EndsWith, NodeSpec
+from canopen_twins.scenario.scenario import EndsWith, NodeSpec, Stalls
 from canopen_twins.slave.memory import Memory
 
 log = logging.getLogger(__name__)
@@ -69,6 +69,8 @@ def add_run(parser: Parser) -> None:
     parser.add_argument("--nvram", type=Path, metavar="FILE", help=text)
     add_bus(parser)
     add_control(parser)
+    text = "what becomes of periodic messages that are late after a stall (skip: sent once)"
+    parser.add_argument("--stalls", choices=[str(each) for each in Stalls], help=text)
     text = "end with exit code 2 when another node on the bus has one of our node ids (on a hub)"
     parser.add_argument("--exclusive", action=argparse.BooleanOptionalAction, help=text)
     add_parent(parser)
@@ -98,6 +100,7 @@ def _run(options: argparse.Namespace, signals: Signals) -> int:
     nodes = {name: connect(segment, device, name) for name, device in participants.items()}
     player = _player(options, scenario, segment, nodes)
     _tune(segment, getattr(options, "bitrate", None))
+    segment.clock.catches_up = _catches_up(options, scenario)
     served = parent(options)
     with (
         _off_in_the_end(segment),
@@ -130,6 +133,11 @@ def _player(
         return None
     until_told = bool(options.words) and scenario.ends_with is EndsWith.COMMAND
     return Player(scenario, segment, nodes, until_told)
+
+
+def _catches_up(options: argparse.Namespace, scenario: Scenario | None) -> bool:
+    told = Stalls.SKIP if scenario is None else scenario.stalls
+    return (options.stalls or told) == Stalls.CATCH_UP
 
 
 @contextmanager

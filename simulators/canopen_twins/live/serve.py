@@ -3,6 +3,7 @@
 import logging
 from collections.abc import Callable
 
+from canopen_twins.bus.clock import microseconds
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.live.bus import OpenBus, ReopenedBus, steady
@@ -12,6 +13,11 @@ log = logging.getLogger(__name__)
 
 LONGEST_WAIT = 0.02  # seconds until `stopped` is asked again
 LONGEST_GAP = 1.0  # seconds of real time that are made up for
+STALL = 0.2  # seconds of real time of which one is told
+AFTER_STALL = {
+    False: "periodic messages that are late are sent once",
+    True: "periodic messages that are late follow one another",
+}
 
 
 def serve(
@@ -52,9 +58,11 @@ def drive(
     """Let a segment keep pace with the seconds of `wall` and hear what comes over a bus.
 
     The clock goes on by one deadline at a time: a model that is late leaves room for frames. After
-    a gap, as of a suspended process, it goes on from where it stood.
+    a gap, as of a suspended process, it goes on from where it stood. After a stall that is no such
+    gap, time is made up for; periodic messages that are late by more than a period are sent once
+    and go on in step, unless the clock `catches_up`.
     """
-    orders = orders or Orders()
+    orders, stalled = orders or Orders(), False
     clock, receive, advance_to, send = segment.clock, bus.receive, segment.advance_to, segment.send
     reached = clock.now
     origin = wall() - reached
@@ -68,6 +76,11 @@ def drive(
             log.warning("%.1f s of real time are left out: suspended, or too slow", gap)
             origin += gap
             gap = 0.0
+        if gap > STALL and not stalled:
+            log.warning("stood still for %.1f s: %s", gap, AFTER_STALL[clock.catches_up])
+        stalled = gap > STALL
+        if not clock.catches_up:
+            clock.unseen = microseconds(reached + gap)
         reached = min(reached + gap, due)
         advance_to(reached)
         if frame is not None:

@@ -105,6 +105,7 @@ def _scenario(file: schema.ScenarioFile, path: Path, find: Find) -> Scenario:
         seed=DEFAULT_SEED if file.seed is None else file.seed,
         duration=file.duration,
         ends_with=file.ends_with,
+        stalls=file.stalls,
         bit_rate=file.bit_rate,
         bit_rate_line=0 if file.bit_rate is None else file.item_of("bit_rate").line,
         master=_master(file, path),

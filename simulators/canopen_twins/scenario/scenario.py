@@ -36,6 +36,15 @@ class EndsWith(StrEnum):
     COMMAND = "command"
 
 
+class Stalls(StrEnum):
+    """What becomes of periodic messages that are late by more than a period, in real time."""
+
+    SKIP = "skip"
+    """They are sent once, and go on in step."""
+    CATCH_UP = "catch-up"
+    """All of them are sent, one right after the other."""
+
+
 @dataclass(frozen=True)
 class NodeSpec:
     """A device and the settings it is delivered with."""
@@ -124,6 +133,8 @@ class Scenario:
     """Seconds that the run lasts at least; None: conditions are waited for, a minute at most."""
     ends_with: EndsWith = EndsWith.SCENARIO
     """What ends a run that has a command beside it."""
+    stalls: Stalls = Stalls.SKIP
+    """Of a run in real time."""
     bit_rate: int | None = None
     """In bit/s, for the simulated bus; None: frames take no time."""
     bit_rate_line: int = 0

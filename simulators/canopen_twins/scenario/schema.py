@@ -45,7 +45,7 @@ from canopen_twins.files.table import (
 )
 from canopen_twins.scenario.actions import PATIENCE
 from canopen_twins.scenario.matchers import COMMANDS
-from canopen_twins.scenario.scenario import EndsWith
+from canopen_twins.scenario.scenario import EndsWith, Stalls
 from canopen_twins.scenario.sdo_client import ACCEPTED
 from canopen_twins.slave.service import State
 
@@ -424,6 +424,10 @@ class ScenarioFile(FileOfNodes):
         EndsWith.SCENARIO
     )
     """What ends a run with a command beside it (`run ... -- COMMAND`): the one or the other."""
+    stalls: Annotated[Stalls, word("way with stalls", {str(each): each for each in Stalls})] = (
+        Stalls.SKIP
+    )
+    """What becomes of periodic messages after a stall, in real time: sent once, or all of them."""
     bit_rate: Annotated[int, whole(*BIT_RATES)] | None = None
     """Bit/s of the simulated bus; frames take no time if it is left out."""
     master: Text | None = None

@@ -72,7 +72,7 @@ class EventTiming:
     def run(self) -> None:
         """Run the event timer, unless it runs already."""
         if self._event_timer is None and (time := self._time(EVENT_TIMER)):
-            self._event_timer = self._slave.clock.after(time / 1000, self._on_due)
+            self._event_timer = self._slave.clock.after_period(time / 1000, self._on_due)
 
     def stop(self) -> None:
         """Neither may nor must anything be sent."""

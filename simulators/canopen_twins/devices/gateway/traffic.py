@@ -1,15 +1,17 @@
 """Frames of the gateway beside SDO and NMT: PDOs, partner's heartbeat, end of a bus fault."""
 
 import struct
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
 from canopen_twins.bus import identifiers
+from canopen_twins.bus.clock import MICROSECONDS
 from canopen_twins.bus.frame import Frame
 from canopen_twins.devices.gateway.model.canopen_side import BootUp, Heartbeat, Sent, TpdoFrame
 from canopen_twins.devices.gateway.model.state import GatewayState
 from canopen_twins.devices.gateway.model.system import System
+from canopen_twins.devices.gateway.model.timing import GATEWAY_CYCLE
 from canopen_twins.slave.nmt import STATE_BYTE
 from canopen_twins.slave.object import Address
 from canopen_twins.slave.service import Listening, Service, State
@@ -22,6 +24,9 @@ STATES: Mapping[GatewayState, State] = {
 }
 WORD = 0xFFFF
 FLAG_WORD = 2  # word 3 of RPDO1 (4.2.1)
+
+
+MAIN_CYCLE = GATEWAY_CYCLE / MICROSECONDS  # seconds
 
 
 @dataclass
@@ -55,6 +60,7 @@ class Traffic(Service):
         self._tpdos = {n: pdo.identifier for n, pdo in known.tpdos.items()} if known else {}
         self._told = known.tpdos if known else {}
         self._measured = frozenset(measured)
+        self._late: dict[type[Sent] | int, Sent] = {}  # the newest of each, while time is made up
 
     def begin(self) -> None:
         """The slave boots: what the model has sent so far, its own boot-up message has told."""
@@ -77,10 +83,19 @@ class Traffic(Service):
         """Send what the model has sent, if it gets out."""
         outbox = self._system.outbox
         self.slave.shut = not self._system.listening
-        if outbox:
-            for message in outbox:
-                self.slave.send(self._frame(message))
-            outbox.clear()
+        late = self.slave.clock.behind > MAIN_CYCLE
+        if self._late and not late:
+            self._send(self._late.values())
+            self._late.clear()
+        if outbox and late:
+            self._late |= {_kind(message): message for message in outbox}
+        elif outbox:
+            self._send(outbox)
+        outbox.clear()
+
+    def _send(self, messages: Iterable[Sent]) -> None:
+        for message in messages:
+            self.slave.send(self._frame(message))
 
     def _frame(self, message: Sent) -> Frame:
         heartbeats = identifiers.heartbeat(self.slave.node_id)
@@ -112,3 +127,8 @@ class Traffic(Service):
     def _on_partner(self, frame: Frame) -> None:
         if len(frame.data) == 1 and not self._disturbance.partner:  # A-29
             self._system.partner_heartbeat()
+
+
+def _kind(message: Sent) -> type[Sent] | int:
+    """What an older one is the same as: a TPDO by its number."""
+    return message.number if isinstance(message, TpdoFrame) else type(message)
