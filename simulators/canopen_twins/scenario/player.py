@@ -133,6 +133,7 @@ class Player:
         """The same, and the run says nothing from here on; what is left is its cleanup."""
         self.blame(what, seen)
         self._steps.abort(f"{what} {seen}")
+        self._healing.expire()
 
     @property
     def horizon(self) -> float:
