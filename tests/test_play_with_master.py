@@ -186,3 +186,41 @@ def test_pytest_collects_it_with_its_master(story, pytester):
     (pytester.path / "late.twin.yaml").write_text(STORY.format(master="my_master:late"))
     (pytester.path / "good.twin.yaml").write_text(STORY.format(master="my_master:main"))
     pytester.runpytest_inprocess("-p", "no:cacheprovider").assert_outcomes(passed=1, failed=1)
+
+
+HANGS = """\
+import threading
+import time
+
+lock, other = threading.Lock(), threading.Lock()
+
+
+def spins():
+    while time.monotonic() < 5:
+        pass
+
+
+def deadlock():
+    threading.Thread(target=hold, args=(other, lock)).start()
+    hold(lock, other)
+
+
+def hold(first, second):
+    with first:
+        time.sleep(0.1)
+        with second:
+            pass
+"""
+
+
+@pytest.mark.parametrize(
+    ("function", "seen"),
+    [("spins", "a loop asks for the time and never waits"), ("deadlock", "a deadlock of threads")],
+)
+def test_a_master_that_hangs_fails(story, tmp_path, function, seen):
+    (tmp_path / "hangs.py").write_text(HANGS)
+    verdict = play(load(story(function, "hangs")))
+    (told,) = [each for each in verdict.outcomes if each.line == 3]
+    assert (str(told.kind), str(verdict.kind)) == ("FAIL", "FAIL")
+    assert told.seen.startswith(seen)
+    assert "hangs.py:" in told.seen

@@ -25,6 +25,10 @@ class SimulatedTimeError(RuntimeError):
     """Something that cannot work in simulated time; the message says what, and what can."""
 
 
+class HangError(SimulatedTimeError):
+    """The program itself hangs: a loop that never waits, or threads that wait for each other."""
+
+
 class OutOfTime(BaseException):
     """A limit of simulated or of real time has been reached."""
 

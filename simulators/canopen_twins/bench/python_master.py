@@ -14,7 +14,7 @@ import sys
 import sysconfig
 import threading
 import traceback
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -24,8 +24,8 @@ from typing import Any, NamedTuple
 
 import canopen
 
-from canopen_twins.bench.limits import SimulatedTimeError
-from canopen_twins.bench.simulated_time import in_simulated_time
+from canopen_twins.bench.limits import HangError, OutOfTime, RealTimeLimit, SimulatedTimeError
+from canopen_twins.bench.simulated_time import WALL, in_simulated_time
 from canopen_twins.bench.simulated_time.primitives import Thread
 from canopen_twins.bench.simulated_time.scheduler import Scheduler
 from canopen_twins.bus.segment import Segment
@@ -84,7 +84,11 @@ class PythonMaster:
 
     @contextmanager
     def running(
-        self, segment: Segment[Node], ended: Callable[[Ended], None], seed: int = 1
+        self,
+        segment: Segment[Node],
+        ended: Callable[[Ended], None],
+        seed: int = 1,
+        wall: float = WALL,
     ) -> Iterator[None]:
         """Run it while simulated time passes inside; its threads end with the block.
 
@@ -93,6 +97,7 @@ class PythonMaster:
             ended: Called on the clock of the segment when it has ended otherwise than by returning,
                 or one of its threads has.
             seed: Of the chance that it finds in `random` and the like.
+            wall: Seconds of real time that it may take.
 
         Raises:
             UserError: as `check` does.
@@ -105,9 +110,12 @@ class PythonMaster:
                 with reports.of_threads():
                     Thread(target=reports.of(call), name="master").start()
                     try:
-                        yield
+                        with RealTimeLimit(wall, scheduler.everybody):
+                            yield
                     except SimulatedTimeError as failure:
                         reports.take(failure)
+                    except OutOfTime as limit:
+                        reports.take(HangError(str(limit)))
             if scheduler.failure is not None:
                 reports.take(scheduler.failure)
 
@@ -121,25 +129,29 @@ class PythonMaster:
         path = list(sys.path)
         for module in before:
             del sys.modules[module]
+        known = set(sys.modules)
         sys.path[:0] = folders
         try:
             importlib.invalidate_caches()
             found = _attribute(self.name, _import(self.name, name), function)
-            yield found, list(_of_project(folders, package).values())
+            yield found, list(_of_project(folders, package, known).values())
         finally:
             sys.path[:] = path
-            for module in _of_project(folders, package):
+            for module in _of_project(folders, package, known):
                 del sys.modules[module]
             sys.modules.update(before)
 
 
-def _of_project(folders: Sequence[str], package: str) -> dict[str, ModuleType]:
-    """The modules that are the user's own: of his package, or below his folders."""
+def _of_project(
+    folders: Sequence[str], package: str, known: Collection[str] = ()
+) -> dict[str, ModuleType]:
+    """The modules that are the user's own, but known ones: of his package, or below his folders."""
     below = tuple(os.path.join(folder, "") for folder in folders)  # noqa: PTH118 - of a prefix
     return {
         name: module
         for name, module in list(sys.modules.items())
-        if name not in ("__main__", OURS) and not name.startswith(f"{OURS}.")
+        if name not in known and name not in ("__main__", OURS)
+        if not name.startswith(f"{OURS}.")
         if name == package or name.startswith(f"{package}.") or _is_below(module, below)
     }
 
@@ -279,7 +291,7 @@ def ended_by(error: Exception, files: set[str], thread: str) -> Ended:
     whose = f", thread {thread!r}" if thread else ""
     text = " ".join(str(error).split())
     if isinstance(error, SimulatedTimeError):
-        return Ended(f"{text}{where}{whose}", place, its_own=False)
+        return Ended(f"{text}{where}{whose}", place, its_own=isinstance(error, HangError))
     told = f"{type(error).__name__}: {text}" if text else type(error).__name__
     return Ended(f"{told}{where}{whose}", place, its_own=True)
 

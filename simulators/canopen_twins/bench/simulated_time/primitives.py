@@ -12,7 +12,7 @@ from threading import get_ident
 from types import TracebackType
 from typing import Any, NamedTuple, TypeVar
 
-from canopen_twins.bench.limits import place_of
+from canopen_twins.bench.limits import HangError, place_of
 from canopen_twins.bench.simulated_time.scheduler import (
     TICK,
     Scheduler,
@@ -101,11 +101,12 @@ class Lock:
             if holder == me:  # another one may release it, as those do who signal with locks
                 if not wait(self._free, OWN_LOCK):
                     told = f"waits for a lock that it holds itself, at {place_of(me)}"
-                    raise scheduler.refusal(f"a deadlock: a thread {told}")
+                    raise scheduler.refusal(f"a deadlock: a thread {told}", HangError)
                 return
             if me in (ring := _ring(scheduler, holder)):
                 places = " and ".join(place_of(each) for each in ring)
-                raise scheduler.refusal(f"a deadlock of threads that hold each other up: {places}")
+                told = f"a deadlock of threads that hold each other up: {places}"
+                raise scheduler.refusal(told, HangError)
             wait(self._free)
         finally:
             del scheduler.wanted_locks[me]

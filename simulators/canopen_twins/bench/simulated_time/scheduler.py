@@ -11,6 +11,7 @@ from collections.abc import Callable
 from functools import partial
 
 from canopen_twins.bench.limits import (
+    HangError,
     OutOfTime,
     SimulatedTimeError,
     Standstill,
@@ -130,7 +131,8 @@ class Scheduler:
             raise Stopped
         error = self.refusal(
             f"a loop {what} and never waits, at {place_of(threading.get_ident())}: simulated time"
-            " passes only while the master waits, as in time.sleep()"
+            " passes only while the master waits, as in time.sleep()",
+            HangError,
         )
         raise error if self._standstill.told_once() else OutOfTime(str(error))
 
@@ -175,9 +177,11 @@ class Scheduler:
             )
         return None
 
-    def refusal(self, message: str) -> SimulatedTimeError:
+    def refusal(
+        self, message: str, kind: type[SimulatedTimeError] = SimulatedTimeError
+    ) -> SimulatedTimeError:
         """An error to raise, which also reaches the test if it is raised in a thread."""
-        error = SimulatedTimeError(message)
+        error = kind(message)
         if threading.get_ident() != self._owner:
             self.failure = self.failure or error
         return error
@@ -253,7 +257,7 @@ class Scheduler:
             told = f"{task} has not come back for {self._patience} s of real time"
             task.done = True  # as far as anybody here is concerned
             raise_in(task.thread.ident or 0, told)  # a loop in Python ends
-            raise SimulatedTimeError(f"{told}: what it does there does not wait in simulated time")
+            raise HangError(f"{told}: what it does there does not wait in simulated time")
 
     def _stop(self, task: Task) -> None:
         """End a task in its wait; one that goes on all the same is left there for good."""
