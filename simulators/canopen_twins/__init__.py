@@ -39,6 +39,7 @@ if TYPE_CHECKING:
         State,
         Tpdo,
         Value,
+        Weather,
         setting,
     )
     from canopen_twins.scenario import Scenario, Verdict
@@ -77,6 +78,7 @@ __all__ = [
     "UserError",
     "Value",
     "Verdict",
+    "Weather",
     "load",
     "play",
     "setting",

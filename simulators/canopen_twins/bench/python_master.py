@@ -107,6 +107,7 @@ class PythonMaster:
             call = _arguments(self.name, function, segment.bit_rate or BIT_RATE)
             with _seeded(seed), in_simulated_time(segment, modules) as scheduler:
                 reports = _Reports(scheduler, files, ended)
+                scheduler.on_failure = reports.later
                 with reports.of_threads():
                     Thread(target=reports.of(call), name="master").start()
                     try:
@@ -255,7 +256,7 @@ class _Reports:
             try:
                 call()
             except Exception as error:
-                self._later(error, "")
+                self.later(error)
 
         return target
 
@@ -266,7 +267,7 @@ class _Reports:
 
         def hook(told: threading.ExceptHookArgs) -> None:
             if isinstance(told.exc_value, Exception):
-                self._later(told.exc_value, told.thread.name if told.thread else "")
+                self.later(told.exc_value, told.thread.name if told.thread else "")
 
         threading.excepthook = hook
         try:
@@ -274,7 +275,8 @@ class _Reports:
         finally:
             threading.excepthook = before
 
-    def _later(self, error: Exception, thread: str) -> None:
+    def later(self, error: Exception, thread: str = "") -> None:
+        """Tell of it when the threads wait."""
         self._scheduler.clock.after(0, partial(self.take, error, thread))
 
     def take(self, error: Exception, thread: str = "") -> None:

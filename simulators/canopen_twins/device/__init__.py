@@ -2,7 +2,7 @@
 
 from canopen_twins.device.chart import Band, Chart, Curve, Mood
 from canopen_twins.device.device import BitMessage, Device, EmcyMessage, Message
-from canopen_twins.device.faults import Fault, Parameter
+from canopen_twins.device.faults import Fault, Parameter, Weather
 from canopen_twins.device.settings import NodeSettings, setting
 from canopen_twins.slave.emcy import Emcy, Farewell
 from canopen_twins.slave.memory import Memory
@@ -39,5 +39,6 @@ __all__ = [
     "State",
     "Tpdo",
     "Value",
+    "Weather",
     "setting",
 ]

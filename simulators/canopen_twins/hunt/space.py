@@ -17,6 +17,7 @@ from canopen_twins.device.device import Device
 from canopen_twins.device.faults import WEATHERS, Fault, Parameter
 from canopen_twins.device.node import Node
 from canopen_twins.device.settings import About, about
+from canopen_twins.errors import UserError
 from canopen_twins.faults import connect
 from canopen_twins.files.writer import Verbatim
 from canopen_twins.hunt.contract import Disturbance, Plan
@@ -197,7 +198,22 @@ class Space:
             lengths += [each for each in TIMES if each <= self.limits.longest][::-2]
         if counted:
             variants.append(base)  # all of them while it lasts
-        return Option(node, self._several, name, tuple(_unique(variants)), tuple(lengths))
+        taken = [each for each in _unique(variants) if self._is_taken(node, name, each)]
+        if not taken:
+            self.left_out[name] = "the device takes none of the values that are known to be tried"
+            return None
+        return Option(node, self._several, name, tuple(taken), tuple(lengths))
+
+    def _is_taken(self, node: str, fault: str, parameters: Mapping[str, Any]) -> bool:
+        """Whether the device takes it, without power."""
+        faults = self._nodes[node].faults
+        values = {key: _plain(value) for key, value in parameters.items()}
+        try:
+            faults.inject(fault, **values)
+        except UserError:
+            return False
+        faults.clear(fault)
+        return True
 
     def _values(self, node: str, key: str, told: Parameter) -> list[Any]:
         """Others than the default that are worth trying."""
@@ -275,6 +291,10 @@ def _number(key: str, value: Any) -> Any:
     if key in HEX and isinstance(value, int) and value > 9:
         return Verbatim(f"{value:#x}")
     return value
+
+
+def _plain(value: Any) -> Any:
+    return int(value, 0) if isinstance(value, Verbatim) else value
 
 
 def _unique(variants: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:

@@ -82,6 +82,8 @@ class Scheduler:
         self.segment = segment
         self.clock = segment.clock
         self.failure: Exception | None = None  # of a thread; the test is to hear of it
+        self.on_failure: Callable[[Exception], None] = lambda failure: None
+        """Called with the first one that is raised in a thread, by that thread."""
         self.wanted_locks: dict[int, object] = {}
         """What threads wait for without a time-out, by their identifiers."""
         self._patience = patience
@@ -182,8 +184,9 @@ class Scheduler:
     ) -> SimulatedTimeError:
         """An error to raise, which also reaches the test if it is raised in a thread."""
         error = kind(message)
-        if threading.get_ident() != self._owner:
-            self.failure = self.failure or error
+        if threading.get_ident() != self._owner and self.failure is None:
+            self.failure = error
+            self.on_failure(error)
         return error
 
     def run_task(self, task: Task, target: Callable[[], None]) -> None:

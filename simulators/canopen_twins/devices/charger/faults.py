@@ -5,7 +5,7 @@ from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
-from canopen_twins.device import Fault, Memory, Parameter
+from canopen_twins.device import Fault, Memory, Parameter, Weather
 from canopen_twins.devices.charger import messages
 from canopen_twins.devices.charger.model.charger import Charger, Key
 from canopen_twins.devices.charger.model.load import OPEN, SHORT
@@ -22,12 +22,12 @@ CONNECTORS = (1, 2)
 KEYPAD, TOUCH = "keypad", "touch"
 PLACES = (KEYPAD, TOUCH)
 SPARK = {
-    "slope": Parameter("mA/ms"),
+    "slope": Parameter("mA/ms", examples=(1.0, 10.0, 100.0)),
     "rise_time": Parameter("ms; the detector looks at 8 ms at least", 8.0),
 }
 MESSAGE = {
     "key": Parameter("its key in the catalogue", "", str),
-    "number": Parameter("or its number", 0, int),
+    "number": Parameter("or its number", 0, int, examples=(0x0B, 0x01, 0x02)),
     "code": Parameter("with a number: the EMCY code of a message that is not there", 0, int),
 }
 PLACE = {"at": Parameter("keypad, which 0x2002:1C locks, or touch", KEYPAD, str)}
@@ -88,7 +88,7 @@ AROUND: Mapping[str, Around] = {
         "Random sparks of all sizes while high voltage is on.",
         _spark_storm,
         {
-            "rate": Parameter("sparks in a second, at the breakdown voltage"),
+            "rate": Parameter("sparks in a second, at the breakdown voltage", examples=(1.0, 20.0)),
             "seed": Parameter("of the random numbers", 0, int),
             "breakdown": Parameter("V", 0.0),
             "scale": Parameter("V for e times as many; 0: whatever the voltage", 0.0),
@@ -135,18 +135,18 @@ AROUND: Mapping[str, Around] = {
     "analog": Around(
         "The analog input is driven; 0x2002:02 and 03 say what it does.",
         lambda around, percent: replace(around, analog=_share(percent) / PERCENT),
-        {"percent": Parameter("of 20 mA or 10 V, 0..100")},
+        {"percent": Parameter("of 20 mA or 10 V, 0..100", low=0, high=100)},
     ),
     "supply": Around(
         "The supply leaves its 24 V.",
         _supply,
-        {"volts": Parameter("without load, 6..40 V")},
+        {"volts": Parameter("without load, 6..40 V", examples=(18.0, 10.0, 32.0))},
     ),
     "overtemperature": Around(
         "A temperature is higher than the losses explain.",
         _overtemperature,
         {
-            "sensor": Parameter(", ".join(SENSORS), SENSORS[0], str),
+            "sensor": Parameter(", ".join(SENSORS), SENSORS[0], str, examples=SENSORS),
             "kelvin": Parameter("by so many K", 70.0),
         },
     ),
@@ -205,6 +205,7 @@ class Faults:
                 "The memory takes nothing any more: no 0x1010, no LSS store, no hours.",
                 partial(self._wear, worn=True),
                 partial(self._wear, worn=False),
+                weather=Weather("hostile", "a broken memory has to be repaired"),
             ),
             **{each.name.lower(): self._message(each) for each in Severity},
         }

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 
-from canopen_twins.device.faults import Fault, Parameter
+from canopen_twins.device.faults import Fault, Parameter, Weather
 from canopen_twins.devices.gateway.model.buffers import Buffer
 from canopen_twins.devices.gateway.model.configuration import PARTNER_NODE, RPDOS
 from canopen_twins.devices.gateway.model.heinzmann_can import Direction
@@ -23,7 +23,7 @@ DIRECTIONS = {
     "to_gateway": (Unit.GATEWAY,),
     "to_governor": (Unit.GOVERNOR,),
 }
-DIRECTION = {"direction": Parameter(", ".join(DIRECTIONS), "both", str)}
+DIRECTION = {"direction": Parameter(", ".join(DIRECTIONS), "both", str, examples=tuple(DIRECTIONS))}
 TPDO5, TPDO5_CYCLE, TPDO5_IDENTIFIER = 16404, 16461, 16404
 TPDO6, TPDO6_CYCLE, TPDO6_IDENTIFIER = 16408, 16462, 16405
 SPEED = 2000  # something to send
@@ -36,14 +36,25 @@ TWICE = {
 }
 
 
+INSTALLED = ("duplicate_number", "duplicate_identifier", "reserved_identifier")
+WEATHER = {
+    **dict.fromkeys(
+        (*INSTALLED, "partner_is_own_node"),
+        Weather("hostile", "a mistake of whoever has configured it"),
+    ),
+    "eeprom": Weather("hostile", "a broken memory has to be repaired"),
+}
+
+
 def faults(units: Units) -> Mapping[str, Fault]:
     """Every fault by its name, of this units."""
 
-    def bound(fault: Fault) -> Fault:
+    def bound(name: str, fault: Fault) -> Fault:
         clear = None if fault.clear is None else partial(fault.clear, units)
-        return replace(fault, inject=partial(fault.inject, units), clear=clear)
+        weather = WEATHER.get(name, fault.weather)
+        return replace(fault, inject=partial(fault.inject, units), clear=clear, weather=weather)
 
-    return {name: bound(fault) for name, fault in {**UNIT_FAULTS, **FAULTS}.items()}
+    return {name: bound(name, fault) for name, fault in {**UNIT_FAULTS, **FAULTS}.items()}
 
 
 def _within(known: range, what: str, number: int) -> int:
@@ -129,7 +140,7 @@ FAULTS: Mapping[str, Fault] = {
         "Telegrams between the units take longer.",
         _delay,
         lambda units, milliseconds, direction: _delay(units, USUAL_DELAY, direction),
-        {"milliseconds": Parameter("how long, 1..1000", kind=int), **DIRECTION},
+        {"milliseconds": Parameter("how long, 1..1000", kind=int, examples=(50, 500)), **DIRECTION},
     ),
     "link_drop": Fault(
         "The next telegrams between the units are lost.",

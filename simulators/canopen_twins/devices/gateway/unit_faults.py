@@ -75,7 +75,7 @@ def _of_unit(text: str, act: Act, undo: Act | None = None, **parameters: Paramet
         text,
         lambda units, unit, **given: each(act, units, unit, given),
         None if undo is None else (lambda units, unit, **_: each(undo, units, unit, {})),
-        {**parameters, "unit": Parameter(", ".join(WHICH), "gateway", str)},
+        {**parameters, "unit": Parameter(", ".join(WHICH), "gateway", str, examples=tuple(WHICH))},
     )
 
 
@@ -158,7 +158,7 @@ UNIT_FAULTS: Mapping[str, Fault] = {
         "The supply is not 24 V (3085 below 7.5 V).",
         lambda unit, volts: unit.feed(volts),
         lambda unit: unit.feed(NORMAL_SUPPLY),
-        volts=Parameter("0..55 V", 7.0),
+        volts=Parameter("0..55 V", 7.0, examples=(0.0, 16.0, 40.0)),
     ),
     "clear_errors": _of_unit(
         "Not a fault: somebody clears all errors, in both units (9.1).",
@@ -186,7 +186,7 @@ UNIT_FAULTS: Mapping[str, Fault] = {
         "An error from 3000 upward has a cause within the unit, until it is cleared.",
         _fail_inside,
         _mend,
-        number=Parameter("3001..3094", 3094, int),
+        number=Parameter("3001..3094", 3094, int, examples=(3001, 3010, 3050)),
     ),
     "exception": _of_unit(
         "The programme runs into an exception (3094, told by 3195 to 3198).",
@@ -214,7 +214,7 @@ UNIT_FAULTS: Mapping[str, Fault] = {
         "A unit restarts, and a test of the bootloader itself fails: not even DcDesk works.",
         lambda unit, test: _keep(unit, LOOPS[one_of(LOOPS, "test", test)]),
         _hand_on,
-        test=Parameter(", ".join(LOOPS), "checksum", str),
+        test=Parameter(", ".join(LOOPS), "checksum", str, examples=tuple(LOOPS)),
     ),
     "eeprom": _of_unit(
         "A unit restarts, and finds pages of its EEPROM damaged (3099).",

@@ -10,7 +10,11 @@ from canopen_twins.errors import UserError, unknown
 
 SENSORS: Mapping[str, int] = {"rectifier": 0x50, "igbt": 0x51, "inside": 0x55}  # Tab. 71
 MAINS = range(100, 601)
-NUMBER = {"number": Parameter("error number of chapter 8, 0x00..0x1ff", kind=int)}
+NUMBER = {
+    "number": Parameter(
+        "error number of chapter 8, 0x00..0x1ff", kind=int, examples=(0x23, 0x31, 0x50, 0x67)
+    )
+}
 
 
 def faults(stage: OutputStage, raise_card_error: Callable[[int], None]) -> Mapping[str, Fault]:
@@ -40,7 +44,12 @@ def _connections(stage: OutputStage) -> dict[str, Fault]:
             "The voltage at the sense lines differs from that at the terminals (EMCY 3300, 31).",
             lambda volts: _sense(stage, volts),
             lambda volts: _sense(stage, OutputStage.sense_offset),
-            {"volts": Parameter("difference in V; 5 % of the nominal voltage are tolerated")},
+            {
+                "volts": Parameter(
+                    "difference in V; 5 % of the nominal voltage are tolerated",
+                    examples=(30.0, 5.0),
+                )
+            },
         ),
     }
 
@@ -56,7 +65,9 @@ def _supplies(stage: OutputStage) -> dict[str, Fault]:
                 stage, OutputStage.mains, OutputStage.mains_frequency, seconds
             ),
             {
-                "volts": Parameter("between the phases, 100..600 V", OutputStage.mains),
+                "volts": Parameter(
+                    "between the phases, 100..600 V", OutputStage.mains, examples=(300.0, 500.0)
+                ),
                 "hertz": Parameter("40..70 Hz", OutputStage.mains_frequency, low=40, high=70),
                 "seconds": Parameter("until they are there, and until they are back", 0.0, low=0),
             },
@@ -65,13 +76,16 @@ def _supplies(stage: OutputStage) -> dict[str, Fault]:
             "A supply inside the unit leaves its range of 10 % (EMCY 3200, 43..48, 4B, 4C).",
             lambda rail, volts: _supply(stage, {_one_of(RAILS, "rail", rail): volts}),
             lambda rail, volts: _supply(stage, {}),
-            {"rail": Parameter(", ".join(RAILS), kind=str), "volts": Parameter("its voltage in V")},
+            {
+                "rail": Parameter(", ".join(RAILS), kind=str, examples=tuple(RAILS)),
+                "volts": Parameter("its voltage in V", examples=(0.0,)),
+            },
         ),
         "overtemperature": Fault(
             "A temperature sensor is above its limit (EMCY 4200).",
             lambda sensor: stage.trip(SENSORS[_one_of(SENSORS, "sensor", sensor)], held=True),
             lambda sensor: stage.release(SENSORS[sensor]),
-            {"sensor": Parameter(", ".join(SENSORS), "igbt", str)},
+            {"sensor": Parameter(", ".join(SENSORS), "igbt", str, examples=tuple(SENSORS))},
         ),
     }
 
@@ -93,7 +107,11 @@ def _errors(stage: OutputStage, raise_card_error: Callable[[int], None]) -> dict
         "card_error": Fault(
             "An error of the CAN card: told, but the output goes on.",
             lambda code: raise_card_error(card_error(code)),
-            parameters={"code": Parameter("0x5000, 0x8110, 0x8111, 0x8112 or 0x8200", kind=int)},
+            parameters={
+                "code": Parameter(
+                    "0x5000, 0x8110, 0x8111, 0x8112 or 0x8200", kind=int, examples=(0x5000, 0x8110)
+                )
+            },
         ),
         "warning": Fault(
             "A warning of the unit: bit 14 of 0x2023 until the reset, no EMCY.",
