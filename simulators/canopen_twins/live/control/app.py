@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from fastapi import Body, FastAPI, HTTPException, Query, Request
 from fastapi.exceptions import RequestValidationError
 from pydantic import BaseModel, Field
-from starlette.responses import JSONResponse, Response
+from starlette.responses import HTMLResponse, JSONResponse, Response
 
 from canopen_twins.bench.twin import each_value
 from canopen_twins.bus.frame import Frame
@@ -19,6 +19,7 @@ from canopen_twins.files.shipped import scenario_file, scenarios
 from canopen_twins.live.control import schema, view
 from canopen_twins.live.control.desk import Desk
 from canopen_twins.live.control.events import KEPT, KINDS
+from canopen_twins.live.control.page import page
 from canopen_twins.live.control.schema import Done, Scalar
 from canopen_twins.live.control.stream import EventStream
 from canopen_twins.scenario.started import read_text
@@ -77,6 +78,7 @@ def make_app(desk: Desk) -> FastAPI:
     _add_why(app, desk)
     _add_bus(app, desk)
     _add_scenario(app, desk)
+    _add_panel(app)
     _add_nodes(app, desk)  # the last: its path would take those of the others for names
     app.openapi()  # made once, before a twin has anything to answer
     return app
@@ -209,6 +211,11 @@ def _add_scenario(app: FastAPI, desk: Desk) -> None:
         desk.look_after_scenario()
         return Json(Done(moment))
 
+    @app.get("/scenarios", response_model=list[str])
+    async def names() -> Any:
+        """The scenarios that are shipped."""
+        return Json(sorted(scenarios()))
+
     @app.get("/scenario", response_model=schema.ScenarioRun | None)
     async def told() -> Any:
         """The scenario of the run, or the last one that was started, and its verdict."""
@@ -218,6 +225,14 @@ def _add_scenario(app: FastAPI, desk: Desk) -> None:
     async def stop() -> Any:
         """End it before its time; its cleanup is carried out."""
         return Json(Done(await desk.ask(desk.scenarios.stop)))
+
+
+def _add_panel(app: FastAPI) -> None:
+    @app.get("/", include_in_schema=False)
+    async def panel() -> Any:
+        """For people, in a browser."""
+        html, policy = page()
+        return HTMLResponse(html, headers={"Content-Security-Policy": policy})
 
 
 def _shipped(name: str) -> str:
