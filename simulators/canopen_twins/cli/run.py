@@ -49,7 +49,7 @@ from canopen_twins.slave.memory import Memory
 
 log = logging.getLogger(__name__)
 
-LISTEN, LISTEN_LONG = 0.3, 1.5  # seconds; on a real bus a heartbeat of a second should be heard
+LISTEN, LISTEN_LONG = 0.1, 1.5  # seconds; on a real bus a heartbeat of a second should be heard
 OF_ONE_DEVICE = ("node-id", "set", "config", "nvram")
 
 

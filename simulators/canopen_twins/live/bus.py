@@ -15,8 +15,9 @@ from can.interfaces.udp_multicast import UdpMulticastBus
 
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.identifiers import Cob, classify
-from canopen_twins.bus.python_can import frame_of, message_of, receive
+from canopen_twins.bus.python_can import frame_of, receive
 from canopen_twins.errors import UserError
+from canopen_twins.live.port import CanSocket, PythonCan, port
 
 log = logging.getLogger(__name__)
 
@@ -80,6 +81,7 @@ class ReopenedBus:
         """Raises `UserError` if the bus cannot be opened."""
         self._open = open_bus
         self._bus: can.BusABC | None = None
+        self._port: PythonCan | CanSocket | None = None
         self._echoes: deque[Frame] | None = None  # own frames a bus will bring back, if it does
         self._failing = False
         self._pause = SHORTEST_PAUSE
@@ -92,12 +94,12 @@ class ReopenedBus:
 
     def transmit(self, frame: Frame, sender: str) -> None:
         """Send what comes from a node; lost while the bus fails."""
-        if self._bus is None or not sender:
+        if self._port is None or not sender:
             return
         if self._echoes is not None:
             self._echoes.append(frame)
         try:
-            self._bus.send(message_of(frame))
+            self._port.send(frame)
         except FAILURES as failure:
             self._fail(failure)
             return
@@ -106,18 +108,15 @@ class ReopenedBus:
 
     def receive(self, wait: float) -> Frame | None:
         """The next frame that is not our own, none if there is none within `wait` seconds."""
-        if self._bus is None:
+        if self._port is None:
             self._reopen(wait)
             return None
         try:
-            message = receive(self._bus, wait)
+            frame = self._port.receive(wait)
         except FAILURES as failure:
             self._fail(failure)
             return None
-        if message is None or message.is_error_frame or message.is_fd:
-            return None
-        frame = frame_of(message)
-        if self._echoes is not None and frame in self._echoes:
+        if self._echoes is not None and frame is not None and frame in self._echoes:
             self._echoes.remove(frame)
             return None
         return frame
@@ -130,10 +129,10 @@ class ReopenedBus:
         if self._bus is not None:
             with suppress(*FAILURES):
                 self._bus.shutdown()
-        self._bus = None
+        self._bus = self._port = None
 
     def _connect(self, bus: can.BusABC) -> None:
-        self._bus = bus
+        self._bus, self._port = bus, port(bus)
         self._echoes = deque(maxlen=MOST_ECHOES) if _echoes(bus) else None
 
     def _reopen(self, wait: float) -> None:

@@ -8,10 +8,10 @@ from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.live.bus import OpenBus, ReopenedBus, steady
 from canopen_twins.live.orders import Orders
+from canopen_twins.live.port import LONGEST_WAIT
 
 log = logging.getLogger(__name__)
 
-LONGEST_WAIT = 0.02  # seconds until `stopped` is asked again
 LONGEST_GAP = 1.0  # seconds of real time that are made up for
 STALL = 0.2  # seconds of real time of which one is told
 AFTER_STALL = {
@@ -64,24 +64,27 @@ def drive(
     """
     orders, stalled = orders or Orders(), False
     clock, receive, advance_to, send = segment.clock, bus.receive, segment.advance_to, segment.send
-    reached = clock.now
+    reached = passed = clock.now
     origin = wall() - reached
     while not stopped():
         due = clock.next_deadline
         busy = orders.waiting
-        left = 0.0 if busy else due - wall() + origin
+        left = 0.0 if busy else due - passed
+        if 0.0 < left < 2 * LONGEST_WAIT:  # it matters what has passed since the clock was asked
+            left = due - wall() + origin
         frame = receive(LONGEST_WAIT if left > LONGEST_WAIT else max(left, 0.0))
-        gap = wall() - origin - reached
+        passed = wall() - origin
+        gap = passed - reached
         if gap > LONGEST_GAP:
             log.warning("%.1f s of real time are left out: suspended, or too slow", gap)
             origin += gap
-            gap = 0.0
+            passed, gap = reached, 0.0
         if gap > STALL and not stalled:
             log.warning("stood still for %.1f s: %s", gap, AFTER_STALL[clock.catches_up])
         stalled = gap > STALL
         if not clock.catches_up:
-            clock.unseen = microseconds(reached + gap)
-        reached = min(reached + gap, due)
+            clock.unseen = microseconds(passed)
+        reached = min(passed, due)
         advance_to(reached)
         if frame is not None:
             send(frame)
