@@ -42,6 +42,7 @@ if TYPE_CHECKING:
         Weather,
         setting,
     )
+    from canopen_twins.live.remote import connect
     from canopen_twins.scenario import Scenario, Verdict
     from canopen_twins.scenario.load import load
     from canopen_twins.scenario.play import play
@@ -79,6 +80,7 @@ __all__ = [
     "Value",
     "Verdict",
     "Weather",
+    "connect",
     "load",
     "play",
     "setting",
@@ -89,6 +91,7 @@ _ROOMS = {
     "bench.bench": {"Bench"},
     "bench.simulated_time": {"SimulatedTimeError", "simulated_time"},
     "bench.twin": {"Twin"},
+    "live.remote": {"connect"},
     "scenario": {"Scenario", "Verdict", "load", "play"},
 }
 """Where a name comes from, if it is none of the API of devices."""

@@ -41,7 +41,16 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
     "why": {
         "why": "say what the manual says of an object, and whether it takes a value and why not"
     },
-    "faults": {"faults": "print what can be injected"},
+    "faults": {"faults": "print what can be injected, into a device or a twin that runs"},
+    "touch": {
+        "inject": "let something go wrong with a twin that runs",
+        "clear": "take a fault of a twin that runs away, or all of them",
+        "set": "change live settings of a twin that runs, such as the load",
+        "get": "print values of a twin that runs, read without a frame on the bus",
+        "power": "switch the supply of a twin that runs on or off",
+        "state": "print how the twins are that run",
+        "watch": "print what happens on the bus of a twin that runs, as it happens",
+    },
     "run": {
         "run": "run twins on a CAN bus in real time, until they are stopped or a scenario is over"
     },

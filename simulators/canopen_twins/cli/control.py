@@ -11,6 +11,7 @@ from canopen_twins.cli.command import Parser
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
 from canopen_twins.live.orders import Orders
+from canopen_twins.live.running import Running, announced
 from canopen_twins.scenario import Player
 
 
@@ -32,9 +33,9 @@ class Control(NamedTuple):
 
 @contextmanager
 def controlled(
-    options: argparse.Namespace, segment: Segment[Node], player: Player | None
+    options: argparse.Namespace, segment: Segment[Node], player: Player | None, title: str
 ) -> Iterator[Control]:
-    """The port of the options, if they want one.
+    """The port of the options, if they want one; the user finds it by the title.
 
     Raises:
         UserError: there can be none.
@@ -49,4 +50,6 @@ def controlled(
 
     address = HubAddress.parse(options.control, port=0)
     with control_port(segment, orders, address, options.control_token, player) as found:
-        yield Control(orders, {"control": f"http://{found}"})
+        running = Running(title, f"http://{found}", options.control_token)
+        with announced(running):
+            yield Control(orders, {"control": running.address})

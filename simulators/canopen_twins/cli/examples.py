@@ -9,6 +9,13 @@ EXAMPLES: Mapping[str, Sequence[str]] = {
     "settings": ("settings gateway", "settings topcon --json"),
     "why": ("why topcon 0x2014", "why topcon 'Run command=7'", "why charger 0x2002:08=40000"),
     "faults": ("faults", "faults topcon", "faults drive.eds --json"),
+    "inject": ("inject interlock_open", "inject heartbeat_late seconds=0.5 --node topcon"),
+    "clear": ("clear", "clear interlock_open"),
+    "set": ("set 'load=resistor 4'", "set Temperature=900 --at 127.0.0.1:8123"),
+    "get": ("get 'Actual voltage'", "get 0x1018:01 --json"),
+    "power": ("power off", "power on 'load=resistor 4'"),
+    "state": ("state", "state --json"),
+    "watch": ("watch", "watch --kind emcy --kind state"),
     "run": (
         "run topcon -n 5 --hub",
         "run topcon -n 5 -i socketcan -c vcan0 --set load='resistor 4 ohm'",

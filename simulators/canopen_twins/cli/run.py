@@ -105,7 +105,7 @@ def _run(options: argparse.Namespace, signals: Signals) -> int:
     with (
         _off_in_the_end(segment),
         bus_of_run(options) as bus,
-        controlled(options, segment, player) as control,
+        controlled(options, segment, player, _title(options, scenario)) as control,
         _beside(options, bus) as master,
     ):
         doubles = NodeIdWatch(segment, player)

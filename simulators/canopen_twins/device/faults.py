@@ -93,6 +93,17 @@ class Parameter:
     high: float = inf
     examples: tuple[int | float | str, ...] = ()
 
+    @property
+    def declaration(self) -> Mapping[str, object]:
+        """What programs are told of it; None for an end that a number has not."""
+        return {
+            "text": self.text,
+            "type": KINDS[self.kind],
+            "default": self.default,
+            "low": self.low if isfinite(self.low) else None,
+            "high": self.high if isfinite(self.high) else None,
+        }
+
 
 @dataclass(frozen=True)
 class Fault:
@@ -117,18 +128,9 @@ class Fault:
     def declaration(self) -> Mapping[str, object]:
         """What programs are told of it, for a form.
 
-        A parameter without a default has to be given; None is for an end that a number has not.
+        A parameter without a default has to be given.
         """
-        parameters = {
-            name: {
-                "text": told.text,
-                "type": KINDS[told.kind],
-                "default": told.default,
-                "low": told.low if isfinite(told.low) else None,
-                "high": told.high if isfinite(told.high) else None,
-            }
-            for name, told in self.parameters.items()
-        }
+        parameters = {name: told.declaration for name, told in self.parameters.items()}
         return {
             "level": self.level,
             "text": self.text,

@@ -1,13 +1,14 @@
 """The folder of a record: filled while a run goes on, and read to live through the run again."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import TextIO
 
 from canopen_twins import devices
+from canopen_twins.bench.twin import ORDERS, carry_out
 from canopen_twins.bus.clock import MICROSECONDS
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Segment
@@ -16,12 +17,13 @@ from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
 from canopen_twins.faults import connect
 from canopen_twins.files.whole import folder_part
-from canopen_twins.record.journal import END, HEARD, EventLine, Journal, read_events
+from canopen_twins.record.journal import END, HEARD, ORDER, EventLine, Journal, read_events
 from canopen_twins.record.manifest import DEVICES, Manifest, digest, read_manifest, version_now
 from canopen_twins.record.trace import Observer
 from canopen_twins.record.trace_reader import read_frames
 from canopen_twins.scenario import Player, Scenario, begin, load, play, print_frames
 from canopen_twins.scenario.scenario import NodeSpec
+from canopen_twins.scenario.started import START, STOP, read_text, start_now, stop_now
 
 NO_FILES: Mapping[str, bytes] = MappingProxyType({})
 RUN, SCENARIO, TRACE, EVENTS = "run.json", "scenario.yaml", "trace.log", "events.jsonl"
@@ -165,10 +167,41 @@ def reproduce(recorded: Recorded, observers: Iterable[Observer]) -> None:
         node.name: connect(segment, node.create(recorded.folder), node.name)
         for node in recorded.manifest.nodes
     }
-    begin(segment, Player(scenario, segment, nodes) if scenario else None, observers)
+    player = Player(scenario, segment, nodes) if scenario else None
+    begin(segment, player, observers)
     segment.deliver()
+    hands = Hands(segment, player)
     for event in recorded.events:
         if event.kind == HEARD:
             segment.advance_to(event.time)
             segment.send(Frame.parse(str(event.fields.get("frame"))))
+        elif event.kind == ORDER:
+            segment.advance_to(event.time)
+            hands.repeat(event)
     segment.advance_to(recorded.end)
+
+
+class Hands:
+    """What was done by the control port, done again; what was refused is refused again."""
+
+    def __init__(self, segment: Segment[Node], player: Player | None) -> None:
+        self._segment = segment
+        self._nodes = {node.wire.name: node for node in segment.nodes}
+        self._player = player
+
+    def repeat(self, event: EventLine) -> None:
+        """Do what an event tells of, now; raises `UserError` if nobody could have done it."""
+        word, arguments = str(event.fields.get("order")), event.fields.get("arguments")
+        if not isinstance(arguments, list):
+            raise UserError(f"the record is damaged: {event}")
+        if word == START and len(arguments) == 2:
+            name, text = map(str, arguments)
+            scenario = read_text(name, text, self._segment.nodes)
+            self._player = start_now(self._segment, scenario, text)
+        elif word == STOP and self._player is not None:
+            stop_now(self._segment, self._player)
+        elif word in ORDERS and event.node in self._nodes:
+            with suppress(UserError):
+                carry_out(self._segment, self._nodes[event.node], word, *arguments)
+        else:
+            raise UserError(f"the record is damaged: {event}")

@@ -1,7 +1,7 @@
 """events.jsonl of a record: what happened beside the frames, one JSON object a line."""
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, TextIO
@@ -17,11 +17,12 @@ from canopen_twins.slave.service import State
 
 LONGEST_LINE = 1 << 20  # characters
 FOREVER = 1e9  # seconds; no run is longer
-HEARD, STATE, END = "heard", "state", "end"
+HEARD, STATE, ORDER, END = "heard", "state", "order", "end"
 EMCY = EmcyLike()
 PHRASES = {
     HEARD: "heard {frame}",
     STATE: "{state}",
+    ORDER: "ordered: {order} {arguments}",
     END: "the run is over",
     "emcy": "{words}",
     "step": "step of line {line}: {what}",
@@ -88,6 +89,7 @@ class Journal:
         self._decoder = Decoder(segment.nodes)
         self._hear_states = {name: partial(self._hear_state, name) for name in self._nodes}
         segment.listeners.append(self._hear)
+        segment.order_listeners.append(self._hear_order)
         for name, node in self._nodes.items():
             node.listeners.append(self._hear_states[name])
         if player is not None:
@@ -107,6 +109,9 @@ class Journal:
             self._note(HEARD, frame=str(frame))
         if sender in self._nodes and EMCY.fits(frame, self._nodes[sender]):
             self._note("emcy", sender, frame=str(frame), words=self._decoder.words(frame))
+
+    def _hear_order(self, name: str, word: str, arguments: Sequence[Any]) -> None:
+        self._note(ORDER, name, order=word, arguments=arguments)
 
     def _hear_state(self, name: str, state: State) -> None:
         self._note(STATE, name, state=state.lower())

@@ -89,6 +89,10 @@ def _add_errors(app: FastAPI) -> None:
     async def refuse(request: Request, error: UserError) -> Response:
         return JSONResponse({"detail": str(error)}, 422)
 
+    @app.exception_handler(Exception)
+    async def fail(request: Request, bug: Exception) -> Response:
+        return JSONResponse({"detail": f"a bug: {type(bug).__name__}: {bug}"}, 500)
+
     @app.exception_handler(RequestValidationError)
     async def misread(request: Request, error: RequestValidationError) -> Response:
         first = error.errors()[0]
