@@ -74,7 +74,7 @@ def test_the_supply_goes_and_comes_back_with_another_node_id(port):
         ("PUT", "/nodes/topcon/power", {"on": True, "x": 1}, 422, "body.x: Extra inputs"),
         ("PUT", "/nodes/topcon/power", {"on": False, "settings": {"load": 1}}, 422, "comes"),
         ("PUT", "/nodes/topcon/power", {"on": True, "settings": {"load": 1}}, 422, "power is on"),
-        ("GET", "/", None, 404, "Not Found"),
+        ("GET", "/nothing", None, 404, "Not Found"),
         ("PUT", "/nodes", {}, 405, "Method Not Allowed"),
     ],
 )
