@@ -1,0 +1,92 @@
+"""Runs in other processes, some of which die."""
+
+import os
+import signal
+import time
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from canopen_twins.errors import UserError
+from canopen_twins.hunt.workers import AHEAD, DEATHS, Pool
+
+
+def double(number):
+    print("a master may print what it likes")
+    return 2 * number
+
+
+def die_once(folder, number):
+    mark = Path(folder, str(number))
+    if number == 3 and not mark.exists():
+        mark.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return number
+
+
+def die(number):
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def hang(number):
+    while number == 1:
+        time.sleep(60)
+    return number
+
+
+def refuse(number):
+    raise UserError(f"{number} cannot be")
+
+
+def break_down(number):
+    raise KeyError(number)
+
+
+def taken(asked):
+    for number in range(100):
+        asked.append(number)
+        yield number
+
+
+@pytest.fixture
+def pool():
+    """Two processes."""
+    with Pool(2, lost=lambda item: f"{item} was lost", patience=60) as pool:
+        yield pool
+
+
+def test_outcomes_come_in_the_order_of_the_items(pool):
+    assert list(pool(double, range(20))) == [*range(0, 40, 2)]
+    assert list(pool(double, [])) == []
+
+
+def test_items_are_asked_for_as_they_are_wanted(pool):
+    asked = []
+    outcomes = pool(double, taken(asked))
+    assert next(outcomes) == 0
+    assert len(asked) == 2 * AHEAD
+    next(outcomes)
+    assert len(asked) == 2 * AHEAD + 1
+
+
+def test_a_process_that_dies_loses_its_run_only_which_is_done_again(pool, tmp_path):
+    assert list(pool(partial(die_once, str(tmp_path)), range(8))) == [*range(8)]
+
+
+def test_an_item_that_ends_every_process_is_told_as_lost(pool):
+    assert DEATHS == 3
+    assert list(pool(die, [7])) == ["7 was lost"]
+
+
+def test_an_item_that_takes_for_ever_is_ended():
+    with Pool(2, lost=lambda item: "lost", patience=1.0) as pool:
+        assert list(pool(hang, range(3))) == [0, "lost", 2]
+
+
+def test_what_a_function_refuses_and_a_bug_come_out_here(pool):
+    with pytest.raises(UserError, match="5 cannot be"):
+        list(pool(refuse, [5]))
+    with pytest.raises(RuntimeError, match="KeyError: 5"):
+        list(pool(break_down, [5]))
+    assert list(pool(double, [1])) == [2]
