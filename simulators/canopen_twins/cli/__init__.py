@@ -97,7 +97,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _open_streams()
     try:
         options = parser().parse_args(arguments)
-        _log(options.verbose)
+        _log(-1 if options.quiet else options.verbose)
         code: int = options.command(options)
         sys.stdout.flush()
     except UserError as error:
@@ -171,7 +171,7 @@ def _end_output() -> None:
 
 
 def _log(verbosity: int) -> None:
-    level = logging.WARNING - 10 * min(verbosity, 2)
+    level = logging.WARNING - 10 * min(verbosity, 2)  # -1: errors alone
     logging.basicConfig(format=f"{PROGRAM}: %(message)s", level=level, stream=sys.stderr)
-    if not verbosity:  # python-can tells what it raises, too
+    if verbosity <= 0:  # python-can tells what it raises, too
         logging.getLogger("can").setLevel(logging.CRITICAL)

@@ -60,9 +60,12 @@ class Parser(OneLineParser):
 
 
 def add_verbosity(parser: argparse.ArgumentParser, default: Any = argparse.SUPPRESS) -> None:
-    """-v, which may stand before the name of a command or behind it."""
+    """-v and -q, which may stand before the name of a command or behind it."""
     text = "tell more; -vv the most"
     parser.add_argument("-v", "--verbose", action="count", default=default, help=text)
+    text = "tell less: no warnings"
+    quiet = False if default == 0 else default
+    parser.add_argument("-q", "--quiet", action="store_true", default=quiet, help=text)
 
 
 def node_id(text: str) -> int:
@@ -127,7 +130,10 @@ def device_settings(options: argparse.Namespace) -> dict[str, object]:
 
 
 class Signals(list[int]):
-    """The signals that have come."""
+    """The signals by which somebody has told us to end."""
+
+    asks_for_state = False
+    """Whether SIGUSR1 has come, which does not."""
 
     @property
     def code(self) -> int:
@@ -143,7 +149,13 @@ def catch_signals() -> Iterator[Signals]:
     def catch(number: int, frame: FrameType | None) -> None:
         caught.append(number)
 
-    before = {number: signal.signal(number, catch) for number in (signal.SIGINT, signal.SIGTERM)}
+    def ask(number: int, frame: FrameType | None) -> None:
+        caught.asks_for_state = True
+
+    handlers = dict.fromkeys((signal.SIGINT, signal.SIGTERM), catch)
+    if hasattr(signal, "SIGUSR1"):
+        handlers[signal.SIGUSR1] = ask
+    before = {number: signal.signal(number, handler) for number, handler in handlers.items()}
     try:
         yield caught
     finally:

@@ -107,7 +107,7 @@ def recording(
 
     with ExitStack() as stack:
         if options.trace is not None:
-            observers.append(stack.enter_context(trace_file(options.trace)))
+            observers.append(stack.enter_context(trace_file(options.trace, live=kind == "run")))
         if options.record is not None:
             manifest, text = Manifest.of(kind, scenario, participants), None
             if scenario is not None:

@@ -3,14 +3,14 @@
 import argparse
 import json
 import logging
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 from can.cli import add_bus_arguments
 
-from canopen_twins import devices
 from canopen_twins.bus.segment import Segment
 from canopen_twins.cli.bus import NamedBus, add_bus, bus_of_run, join_hub
 from canopen_twins.cli.check import load
@@ -26,14 +26,14 @@ from canopen_twins.cli.command import (
     add_device,
     add_parent,
     catch_signals,
-    device_settings,
     parent,
 )
-from canopen_twins.cli.control import add_control, controlled
+from canopen_twins.cli.control import Control, add_control, controlled
+from canopen_twins.cli.participants import participants_of, title
 from canopen_twins.cli.results import Announcer, add_recording, add_reports, recording
+from canopen_twins.cli.words import StateOnDemand, add_words, telling
 from canopen_twins.device.device import Device
 from canopen_twins.device.node import Node
-from canopen_twins.device.settings import TimingSettings
 from canopen_twins.errors import UserError
 from canopen_twins.faults import connect
 from canopen_twins.files.whole import held
@@ -43,14 +43,12 @@ from canopen_twins.live.master_watch import MasterWatch
 from canopen_twins.live.node_id_watch import NodeIdWatch
 from canopen_twins.live.run_end import RunEnd
 from canopen_twins.live.serve import serve
-from canopen_twins.scenario import Player, Scenario, begin, load_bench
-from canopen_twins.scenario.scenario import EndsWith, NodeSpec, Stalls
-from canopen_twins.slave.memory import Memory
+from canopen_twins.scenario import Player, Scenario, begin
+from canopen_twins.scenario.scenario import EndsWith, Stalls
 
 log = logging.getLogger(__name__)
 
 LISTEN, LISTEN_LONG = 0.1, 1.5  # seconds; on a real bus a heartbeat of a second should be heard
-OF_ONE_DEVICE = ("node-id", "set", "config", "nvram")
 
 
 def add_run(parser: Parser) -> None:
@@ -76,6 +74,7 @@ def add_run(parser: Parser) -> None:
     add_parent(parser)
     add_reports(parser)
     add_recording(parser)
+    add_words(parser)
     add_bus_arguments(parser)
     parser.set_defaults(command=run)
 
@@ -90,49 +89,76 @@ def run(options: argparse.Namespace) -> int:
         return _run(options, signals)
 
 
-def _run(options: argparse.Namespace, signals: Signals) -> int:
+class Prepared(NamedTuple):
+    """Who is run, with the power off."""
+
+    segment: Segment[Node]
+    scenario: Scenario | None
+    participants: Mapping[str, Device]
+    player: Player | None
+
+
+def _prepared(options: argparse.Namespace) -> Prepared:
     segment: Segment[Node] = Segment()
+    scenario = load(options.scenario) if options.scenario else None
+    participants = participants_of(options, scenario)
+    nodes = {name: connect(segment, device, name) for name, device in participants.items()}
+    player = None
+    if scenario is not None:
+        until_told = bool(options.words) and scenario.ends_with is EndsWith.COMMAND
+        player = Player(scenario, segment, nodes, until_told)
+    _tune(segment, getattr(options, "bitrate", None))
+    segment.clock.catches_up = _catches_up(options, scenario)
+    return Prepared(segment, scenario, participants, player)
+
+
+def _run(options: argparse.Namespace, signals: Signals) -> int:
     announcer = Announcer(options)
     if announcer.wanted and not options.scenario:
         raise UserError("--json and --junit tell of a verdict: say which with --scenario")
-    scenario = load(options.scenario) if options.scenario else None
-    participants = _participants(options, scenario)
-    nodes = {name: connect(segment, device, name) for name, device in participants.items()}
-    player = _player(options, scenario, segment, nodes)
-    _tune(segment, getattr(options, "bitrate", None))
-    segment.clock.catches_up = _catches_up(options, scenario)
-    served = parent(options)
+    run, served = _prepared(options), parent(options)
+    segment, player = run.segment, run.player
     with (
         _off_in_the_end(segment),
         bus_of_run(options) as bus,
-        controlled(options, segment, player, _title(options, scenario)) as control,
+        controlled(options, segment, player, title(options, run.scenario)) as control,
         _beside(options, bus) as master,
     ):
-        doubles = NodeIdWatch(segment, player)
+        doubles, state = NodeIdWatch(segment, player), StateOnDemand(segment, signals)
         exclusive = _exclusive(options, bus)
-        end = RunEnd(lambda: bool(signals), player, master, served, doubles if exclusive else None)
-        with recording(options, "run", scenario, participants) as observers:
-            begin(segment, player, observers)
-            ready = {**_ready(_title(options, scenario), segment), **bus.told, **control.told}
-            opening = _opening(bus, segment, options.exclusive)
-            watch = MasterWatch(segment, player)
-            serve(segment, opening, end, partial(_begin, ready, master, watch), control.orders)
+
+        def told_to_end() -> bool:
+            state.tell_if_asked()
+            return bool(signals)
+
+        end = RunEnd(told_to_end, player, master, served, doubles if exclusive else None)
+        _serve(options, run, bus, control, end)
         code = _code_of(master, signals) if player is None else _told(player, announcer, signals)
     if exclusive and doubles.found:
         raise UserError("ended: a node id belongs to one node alone (--no-exclusive goes on)")
     return code
 
 
-def _player(
-    options: argparse.Namespace,
-    scenario: Scenario | None,
-    segment: Segment[Node],
-    nodes: Mapping[str, Node],
-) -> Player | None:
-    if scenario is None:
-        return None
-    until_told = bool(options.words) and scenario.ends_with is EndsWith.COMMAND
-    return Player(scenario, segment, nodes, until_told)
+def _serve(
+    options: argparse.Namespace, run: Prepared, bus: NamedBus, control: Control, end: RunEnd
+) -> None:
+    """From power-on to the end."""
+    segment, scenario = run.segment, run.scenario
+    with (
+        recording(options, "run", scenario, run.participants) as observers,
+        telling(options) as told,
+    ):
+        begin(segment, run.player, [*observers, *told.observers])
+        ready = {**_ready(title(options, scenario), segment), **bus.told, **control.told}
+        watch = MasterWatch(segment, run.player)
+
+        def on_the_bus() -> None:
+            print(json.dumps(ready), flush=True)
+            told.start()
+            watch.start()
+            end.begin()
+
+        serve(segment, _opening(bus, segment, options.exclusive), end, on_the_bus, control.orders)
 
 
 def _catches_up(options: argparse.Namespace, scenario: Scenario | None) -> bool:
@@ -149,14 +175,6 @@ def _beside(options: argparse.Namespace, bus: NamedBus) -> Iterator[MasterProces
     finally:
         if master is not None:
             master.end()
-
-
-def _begin(ready: Mapping[str, object], master: MasterProcess | None, watch: MasterWatch) -> None:
-    """All is on the bus."""
-    watch.start()
-    print(json.dumps(ready), flush=True)
-    if master is not None:
-        master.start()
 
 
 def _code_of(master: MasterProcess | None, signals: Signals) -> int:
@@ -221,74 +239,3 @@ def _ready(title: str, segment: Segment[Node]) -> dict[str, object]:
         told = " and ".join(f"{rate} bit/s" for rate in sorted(filter(None, rates)))
         log.warning("the files of %s are for %s: one bus has one bit rate", title, told)
     return {"ready": title, **said, **({"bit_rate": rates.pop()} if len(rates) == 1 else {})}
-
-
-def _title(options: argparse.Namespace, scenario: Scenario | None) -> str:
-    """As it was called, or the only node of a scenario, or the scenario."""
-    if options.device is not None or scenario is None:
-        return str(options.device)
-    return next(iter(scenario.nodes)) if len(scenario.nodes) == 1 else str(scenario.file)
-
-
-def _participants(options: argparse.Namespace, scenario: Scenario | None) -> dict[str, Device]:
-    """The devices by the names of their nodes, with their power off.
-
-    Raises:
-        UserError: there is no such device or file, or it cannot be as it is told to be.
-    """
-    name = options.device or ""
-    if not devices.tells_of_device(name) and ("/" in name or name.endswith((".yaml", ".yml"))):
-        _refuse(options, options.device, (*OF_ONE_DEVICE, "scenario"))
-        return {name: _real(spec).create() for name, spec in _of_bench(options.device).items()}
-    if scenario is not None:
-        return _of_scenario(options, scenario)
-    if options.device is None:
-        taken = f"; {options.hub} was taken for the hub" if options.hub in devices.names() else ""
-        hint = f"say which device, or --scenario with a file that does{taken}"
-        raise UserError(f"nothing to run: {hint}")
-    spec = _real(NodeSpec(devices.find(options.device), {}))
-    return {options.device: _equipped(options, spec)}
-
-
-def _of_bench(name: str) -> Mapping[str, NodeSpec]:
-    try:
-        return load_bench(Path(name))
-    except UserError as refusal:
-        try:
-            load(name)
-        except UserError:
-            raise refusal from None
-    raise UserError(f"{name} is a scenario: run --scenario {name}")
-
-
-def _of_scenario(options: argparse.Namespace, scenario: Scenario) -> dict[str, Device]:
-    about = f"{scenario.file} is about {', '.join(scenario.nodes)}"
-    if options.device not in (None, *scenario.nodes):
-        raise UserError(f"{about}, not about {options.device}")
-    if len(scenario.nodes) == 1:
-        return {name: _equipped(options, spec) for name, spec in scenario.nodes.items()}
-    if options.device is not None:
-        raise UserError(f"{about}: leave {options.device} out, and all of them are run")
-    _refuse(options, str(scenario.file), OF_ONE_DEVICE)
-    return {name: spec.create() for name, spec in scenario.nodes.items()}
-
-
-def _refuse(options: argparse.Namespace, file: str, names: Iterable[str]) -> None:
-    for name in names:
-        if getattr(options, name.replace("-", "_")):
-            raise UserError(f"{file} says all about its nodes: leave --{name} out")
-
-
-def _real(spec: NodeSpec) -> NodeSpec:
-    """With the times of a real device, unless it says others; a scenario is judged by its own."""
-    timed = isinstance(spec.device.settings, TimingSettings)
-    usual = {"timing": "typical"} if timed else {}
-    return NodeSpec(spec.device, {**usual, **spec.settings})
-
-
-def _equipped(options: argparse.Namespace, spec: NodeSpec) -> Device:
-    """With what the command line has to say, which is the last word."""
-    device = spec.device(**{**spec.settings, **device_settings(options)})
-    if options.nvram is not None:
-        device.memory = Memory(options.nvram)
-    return device

@@ -38,12 +38,14 @@ def device_report(
 def last_frames(records: Sequence[Record], nodes: Sequence[Node]) -> str:
     """The last frames, each with its time, its sender and what it means."""
     decoder = Decoder(nodes)
-    lines = [
-        f"{record.time:12.6f}  {record.sender or '-':10}  {record.frame!s:21}"
-        f"  {decoder.words(record.frame)}".rstrip()
-        for record in records[-SHOWN:]
-    ]
+    lines = [frame_line(record, decoder) for record in records[-SHOWN:]]
     return "\n".join(lines or ["no frame"])
+
+
+def frame_line(record: Record, decoder: Decoder) -> str:
+    """A frame with its time, its sender and what it means at this moment."""
+    time, frame, sender = record
+    return f"{time:12.6f}  {sender or '-':10}  {frame!s:21}  {decoder.words(frame)}".rstrip()
 
 
 def device_state(node: Node) -> str:

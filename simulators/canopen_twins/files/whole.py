@@ -85,6 +85,19 @@ def write_whole(path: Path, text: str) -> None:
 
 
 @contextmanager
+def live_file(path: Path) -> Iterator[Path]:
+    """A file that is written in its place, for others to read along; an older one is gone at once.
+
+    Raises:
+        UserError: it cannot be written there.
+    """
+    path = plain_file(path)
+    with _writing(path):
+        path.write_bytes(b"")
+    yield path
+
+
+@contextmanager
 def file_part(path: Path) -> Iterator[Path]:
     """A name to write to, which is there as `path` at the end.
 

@@ -1,4 +1,4 @@
-"""When a run in real time is over, whoever ends it, and what its verdict has to say of that."""
+"""When the master of a run begins, when the run is over, and what its verdict says of that."""
 
 from collections.abc import Callable
 
@@ -37,6 +37,11 @@ class RunEnd:
         self._doubles = doubles
         self._heeded = False  # that the master has ended
         self._over = False
+
+    def begin(self) -> None:
+        """The twins are on the bus: start the master."""
+        if self._master is not None:
+            self._master.start()
 
     def __call__(self) -> bool:
         """Whether the run is over."""

@@ -6,17 +6,18 @@ from pathlib import Path
 from typing import NamedTuple
 
 import can
-from can.io.generic import MessageWriter
+from can.io.generic import MessageWriter, TextIOMessageWriter
 
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.python_can import message_of
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
-from canopen_twins.files.whole import file_part
+from canopen_twins.files.whole import file_part, live_file
 from canopen_twins.scenario import Player
 
 CHANNEL = "can0"
+BINARY = ".blf"  # in pieces of 128 KiB
 Observer = Callable[[Segment[Node], Player | None], None]
 """Called before a run begins, with the bus and who plays the scenario on it, if there is one."""
 
@@ -30,10 +31,11 @@ class TimedFrame(NamedTuple):
 
 
 @contextmanager
-def trace_file(path: Path) -> Iterator[Observer]:
+def trace_file(path: Path, live: bool = False) -> Iterator[Observer]:
     """Writes every frame of a bus to a file, with the seconds of the bus as its time.
 
-    What twins send goes out (Tx), everything else comes in (Rx).
+    What twins send goes out (Tx), everything else comes in (Rx). A `live` one is written as it
+    goes, so that others can read along: text is in the file itself at once, not only at the end.
 
     Raises:
         UserError: a suffix that stands for no format, or a file that cannot be written.
@@ -41,13 +43,19 @@ def trace_file(path: Path) -> Iterator[Observer]:
     suffix = path.suffix.lower()
     if suffix not in WRITERS:
         raise UserError(f"{path} is no trace file: its name ends in {', '.join(WRITERS)}")
-    with file_part(path) as part, WRITERS[suffix](part, path) as writer:
+    live = live and suffix != BINARY
+    with (
+        live_file(path) if live else file_part(path) as part,
+        WRITERS[suffix](part, path) as writer,
+    ):
 
         def attach(segment: Segment[Node], player: Player | None) -> None:
             names = {node.wire.name for node in segment.nodes}
 
             def hear(frame: Frame, sender: str) -> None:
                 writer.on_message_received(_message(frame, segment.clock.now, sender not in names))
+                if live and isinstance(writer, TextIOMessageWriter):
+                    writer.file.flush()
 
             segment.listeners.append(hear)
 

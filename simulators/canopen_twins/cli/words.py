@@ -1,0 +1,189 @@
+"""What happens on a bus in words, as it happens; and how the twins are, when SIGUSR1 asks."""
+
+import argparse
+import os
+import sys
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import partial
+from queue import Empty, Full, Queue
+from threading import Thread
+from typing import NamedTuple, TextIO
+
+from canopen_twins.bus import sdo
+from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.segment import Record, Segment
+from canopen_twins.cli.command import Parser, Signals
+from canopen_twins.device.node import Node
+from canopen_twins.diagnosis.decoder import Decoder
+from canopen_twins.diagnosis.report import SHOWN, device_report, frame_line
+from canopen_twins.diagnosis.why import why_frame
+from canopen_twins.record import Observer
+from canopen_twins.record.journal import EventLine
+from canopen_twins.scenario import Player, PlayerEvent
+from canopen_twins.scenario.matchers import EmcyLike
+from canopen_twins.slave.service import State
+
+MOST_WAITING = 10_000  # lines that nobody has read yet
+EMCY = EmcyLike()
+COLOURS: Mapping[str, str] = {"refusal": "31", "emcy": "33", "state": "36", "player": "35"}
+"""Of a line, as SGR of ECMA-48."""
+
+
+def add_words(parser: Parser) -> None:
+    """--words."""
+    text = "print what happens: frames in words, refusals, states; -q leaves usual frames out"
+    parser.add_argument("--words", dest="tells", action="store_true", help=text)
+
+
+class Printer:
+    """Writes lines in a thread of its own: whoever does not read them holds no twin up."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+        self._lines: Queue[str | None] = Queue(MOST_WAITING)
+        self._lost = 0
+        self._thread = Thread(target=self._write, name="words", daemon=True)
+
+    def start(self) -> None:
+        """Write from now on, first what has been put before: the ready line stands above it."""
+        self._thread.start()
+
+    def put(self, line: str) -> None:
+        """Let a line be written, if there is room; never waits."""
+        try:
+            self._lines.put_nowait(line)
+        except Full:
+            self._lost += 1
+
+    def close(self, patience: float = 1.0) -> None:
+        """Write what is left, as far as somebody reads it in so many seconds."""
+        if not self._thread.is_alive():
+            return
+        try:
+            self._lines.put(None, timeout=patience)
+        except Full:
+            return
+        self._thread.join(patience)
+
+    def _write(self) -> None:
+        try:
+            while (line := self._lines.get()) is not None:
+                print(line, file=self._stream, flush=self._lines.empty())
+                if self._lost and self._lines.empty():
+                    lost, self._lost = self._lost, 0
+                    told = f"{lost} lines were not read in time, and are lost"
+                    print(told, file=self._stream, flush=True)
+        except (OSError, ValueError):  # the reader has gone
+            self._drain()
+
+    def _drain(self) -> None:
+        while True:
+            try:
+                self._lines.get(timeout=1.0)
+            except Empty:
+                return
+
+
+class Words:
+    """Tells what happens; `quiet` leaves frames out that are as usual."""
+
+    def __init__(self, printer: Printer, coloured: bool, quiet: bool) -> None:
+        self._printer = printer
+        self._coloured = coloured
+        self._quiet = quiet
+        self._records: deque[Record] = deque(maxlen=SHOWN)
+
+    def attach(self, segment: Segment[Node], player: Player | None) -> None:
+        """Hear a bus, its nodes and the player of a scenario from now on."""
+        self._segment = segment
+        self._nodes = {node.wire.name: node for node in segment.nodes}
+        self._decoder = Decoder(segment.nodes)
+        segment.listeners.append(self._hear)
+        for name, node in self._nodes.items():
+            node.listeners.append(partial(self._hear_state, name))
+        if player is not None:
+            player.listeners.append(self._hear_player)
+
+    def _hear(self, frame: Frame, sender: str) -> None:
+        record = Record(self._segment.clock.now, frame, sender)
+        self._records.append(record)
+        node = self._nodes.get(sender)
+        if node is None:
+            kind = ""
+        elif sdo.is_answer(frame, node.node_id) and sdo.is_abort(frame.data):
+            kind = "refusal"
+        else:
+            kind = "emcy" if EMCY.fits(frame, node) else ""
+        if kind or not self._quiet:
+            self._tell(kind, frame_line(record, self._decoder))
+        if kind == "refusal" and node is not None:
+            for reason in why_frame(node, list(self._records), frame):
+                self._tell(kind, f"{'':14}why: {reason}")
+
+    def _hear_state(self, name: str, state: State) -> None:
+        now, fields = self._segment.clock.now, {"state": state.lower()}
+        self._tell("state", str(EventLine(now, "state", name, fields)))
+
+    def _hear_player(self, event: PlayerEvent) -> None:
+        if event.kind != "state":  # nodes tell their states themselves
+            line = EventLine(event.time, event.kind, event.node, event.fields)
+            self._tell("player", str(line))
+
+    def _tell(self, kind: str, line: str) -> None:
+        if self._coloured and kind:
+            line = f"\x1b[{COLOURS[kind]}m{line}\x1b[0m"
+        self._printer.put(line)
+
+
+def is_coloured(stream: TextIO, environment: Mapping[str, str] = os.environ) -> bool:
+    """Whether somebody looks at it who wants colours (no-color.org)."""
+    wanted = not environment.get("NO_COLOR") and environment.get("TERM") != "dumb"
+    return wanted and stream.isatty()
+
+
+class Telling(NamedTuple):
+    """What prints a run."""
+
+    observers: Sequence[Observer] = ()
+    """Who has to hear of it."""
+    start: Callable[[], None] = lambda: None
+    """To be called when the twins are on the bus."""
+
+
+@contextmanager
+def telling(options: argparse.Namespace) -> Iterator[Telling]:
+    """What prints a run, if that is wanted; where stdout is for a program, on stderr."""
+    if not options.tells:
+        yield Telling()
+        return
+    stream = sys.stderr if options.json else sys.stdout
+    printer = Printer(stream)
+    try:
+        told = Words(printer, is_coloured(stream), options.quiet)
+        yield Telling((told.attach,), printer.start)
+    finally:
+        printer.close()
+
+
+class StateOnDemand:
+    """How the twins are, on stderr, when SIGUSR1 has come: between two frames, not half-way."""
+
+    def __init__(self, segment: Segment[Node], signals: Signals) -> None:
+        self._nodes = segment.nodes
+        self._segment = segment
+        self._signals = signals
+        self._records: deque[Record] = deque(maxlen=SHOWN)
+        segment.listeners.append(self._hear)
+
+    def tell_if_asked(self) -> None:
+        """Tell it, if somebody has asked since."""
+        if self._signals.asks_for_state:
+            self._signals.asks_for_state = False
+            told = [device_report(node, list(self._records)) for node in self._nodes]
+            lines = [f"{self._segment.clock.now:.6f} s", *told]
+            print("\n".join(lines), file=sys.stderr, flush=True)
+
+    def _hear(self, frame: Frame, sender: str) -> None:
+        self._records.append(Record(self._segment.clock.now, frame, sender))
