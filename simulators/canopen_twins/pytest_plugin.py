@@ -27,20 +27,29 @@ from canopen_twins.errors import UserError
 if TYPE_CHECKING:
     from canopen_twins import Bench, Device, Scenario, Verdict
     from canopen_twins.devices import What
+    from canopen_twins.hunt.report import Report
     from canopen_twins.live.twin import LiveTwin
     from canopen_twins.scenario.play import ScenarioBench
 
-__all__ = ["canopen_bench", "canopen_device", "canopen_scenario", "canopen_simulated_time"]
+__all__ = [
+    "canopen_bench",
+    "canopen_device",
+    "canopen_hunt",
+    "canopen_scenario",
+    "canopen_simulated_time",
+]
 
 AnyBench = TypeVar("AnyBench", bound="Bench")
 
 SUFFIXES = (".twin.yaml", ".twin.yml")
 INTERFACE, CHANNEL = "canopen_interface", "canopen_channel"
+FINDS = "canopen_finds"
 DEVICES = Path(__file__).parent / "devices"
 GROUP = "canopen_twins.devices"  # that of canopen_twins.devices, which imports CAN
 MODULES = {
     "canopen_bench": ("canopen_twins.diagnosis.report",),
     "canopen_device": ("canopen_twins.live.twin",),
+    "canopen_hunt": ("canopen_twins.hunt.search",),
     "canopen_scenario": ("canopen_twins.scenario.play", "canopen_twins.scenario.compile"),
     "canopen_simulated_time": ("canopen_twins.bench.simulated_time",),
 }
@@ -58,11 +67,12 @@ TOLD = pytest.StashKey[list["ScenarioBench"]]()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """The bus of `canopen_device`."""
+    """The bus of `canopen_device`, and the finds of `canopen_hunt`."""
     group = parser.getgroup("canopen", "CANopen twins")
     for name, text in (
         (INTERFACE, "python-can interface of `canopen_device` (default: virtual)"),
         (CHANNEL, "its channel (default: one of its own for each test)"),
+        (FINDS, "where `canopen_hunt` keeps finds, and takes those of before (default: nowhere)"),
     ):
         group.addoption(f"--{name.replace('_', '-')}", dest=name, default=None, help=text)
         parser.addini(name, text)
@@ -224,6 +234,46 @@ def canopen_simulated_time(request: pytest.FixtureRequest) -> Iterator[Callable[
             entered.enter_context(context)
 
         yield enter
+
+
+@pytest.fixture
+def canopen_hunt(request: pytest.FixtureRequest, tmp_path: Path) -> Callable[..., Report]:
+    """`canopen_hunt("contract.yaml", my_master.main, seconds=10)`: fails with what it finds.
+
+    The contract lies beside the test; the master is a function, its name as in `--master`, or that
+    of the file. Finds are written to `--canopen-finds`, or to `finds` beside the test, if there is
+    one; those of before are played first. It gives a report of the hunt.
+    """
+    from canopen_twins.hunt.report import lines  # noqa: PLC0415
+    from canopen_twins.hunt.search import hunt  # noqa: PLC0415
+
+    def search(contract: str, master: Callable[..., object] | str = "", **budget: Any) -> Report:
+        beside_test = request.path.parent
+        kept = _option(request.config, FINDS)
+        folder = Path(kept) if kept else beside_test / "finds"
+        name = master if isinstance(master, str) else f"{master.__module__}:{master.__qualname__}"
+        try:
+            report = hunt(
+                _from_here(beside_test / contract),
+                name,
+                folder=_from_here(folder) if kept or folder.is_dir() else tmp_path,
+                **budget,
+            )
+        except UserError as mistakes:
+            told = str(mistakes)
+        else:
+            if report.ok:
+                return report
+            files = [f"{each.file}:\n{each.text}" for each in (*report.known, *report.finds)]
+            told = "\n".join([*lines(report), *files])
+        pytest.fail(told, pytrace=False)
+
+    return search
+
+
+def _from_here(path: Path) -> Path:
+    here = Path.cwd()
+    return path.relative_to(here) if path.is_relative_to(here) else path
 
 
 @pytest.fixture

@@ -3,11 +3,16 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 import yaml
 
 from canopen_twins.cli import main
+from canopen_twins.hunt import free
+from canopen_twins.hunt.contract import Contract, Plan
+from canopen_twins.hunt.events import events_of
 
 CONTRACT = """\
 version: 1
@@ -68,13 +73,13 @@ def hunted(tmp_path, monkeypatch, capsys):
 
 
 def test_a_careful_master_is_left_in_peace(hunted, tmp_path):
-    code, said = hunted(CAREFUL, "--runs", "40")
+    code, said = hunted(CAREFUL, "--runs", "20")
     assert (code, "0 finds" in said) == (0, True)
     assert not [*tmp_path.glob("hunt-*")]
 
 
 def test_what_a_lost_answer_ends_is_found_and_told_with_its_line(hunted, tmp_path):
-    code, said = hunted(BRITTLE, "--runs", "30")
+    code, said = hunted(BRITTLE, "--runs", "14")
     assert code == 1
     assert "SdoCommunicationError: No SDO response received in my_master.py:20" in said
     find = yaml.safe_load((tmp_path / "hunt-1.twin.yaml").read_text())
@@ -84,7 +89,7 @@ def test_what_a_lost_answer_ends_is_found_and_told_with_its_line(hunted, tmp_pat
 
 
 def test_a_find_fails_the_same_way_in_play_and_in_another_process(hunted, tmp_path, capsys):
-    hunted(HASTY, "--runs", "30")
+    hunted(HASTY, "--runs", "14")
     file = tmp_path / "hunt-1.twin.yaml"
     assert main(["play", file.name, "--json"]) == 1
     here = json.loads(capsys.readouterr().out)
@@ -102,16 +107,25 @@ def test_a_find_fails_the_same_way_in_play_and_in_another_process(hunted, tmp_pa
 
 
 def test_the_same_seed_finds_the_same(hunted, tmp_path):
-    hunted(HASTY, "--runs", "30")
+    hunted(HASTY, "--runs", "14")
     first = (tmp_path / "hunt-1.twin.yaml").read_text()
-    hunted(HASTY, "--runs", "30")
+    hunted(HASTY, "--runs", "14")
     assert (tmp_path / "hunt-2.twin.yaml").read_text() == first
 
 
-def test_pairs_are_tried_when_every_single_one_is_survived(hunted):
-    contract = CONTRACT.replace("[sdo_silence, power_cycle, heartbeat_stopped]", "[power_cycle]")
-    code, said = hunted(CAREFUL, "--runs", "200", contract=contract)
-    assert (code, "200 runs" in said) == (0, True)
+def test_the_free_search_depends_on_its_seed_alone(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(free, "RUNS", 6)
+    (tmp_path / "my_master.py").write_text(CAREFUL)
+    (tmp_path / "contract.yaml").write_text(CONTRACT)
+    contract = Contract(Path("contract.yaml"), "my_master:main")
+    events, _ = events_of(contract.scenario(Plan()))
+
+    def played(seed):
+        results = free.search(free.Batch(contract, events, seed, frozenset(), frozenset()))
+        return [(result.plan.key, result.trace) for result in results]
+
+    assert played(1) == played(1) != played(2)
 
 
 @pytest.mark.parametrize(
@@ -140,3 +154,74 @@ def test_who_is_tested_has_to_be_said(tmp_path, capsys):
     (tmp_path / "contract.yaml").write_text(CONTRACT)
     assert main(["hunt", str(tmp_path / "contract.yaml"), "--runs", "9"]) == 2
     assert "who is tested? Say --master MODULE:FUNCTION" in capsys.readouterr().err
+
+
+def test_finds_of_before_are_played_first_and_not_written_again(hunted, tmp_path):
+    (tmp_path / "finds").mkdir()
+    hunted(HASTY, "--runs", "14", "--finds", "finds")
+    code, said = hunted(HASTY, "--runs", "14", "--finds", "finds")
+    assert (code, "finds/hunt-1.twin.yaml: still fails: back within" in said) == (1, True)
+    assert len([*(tmp_path / "finds").iterdir()]) == 1
+    code, said = hunted(CAREFUL, "--runs", "12", "--finds", "finds")
+    assert (code, "finds/hunt-1.twin.yaml: passes now" in said) == (0, True)
+
+
+def test_the_report_is_for_programs_for_ci_and_a_page(hunted, tmp_path):
+    reports = ["--json", "--junit", "report.xml", "--html", "report.html"]
+    code, said = hunted(BRITTLE, "--runs", "14", *reports)
+    told = json.loads(said)
+    assert (code, told["runs"] >= 14, len(told["finds"]) >= 1) == (1, True, True)
+    assert told["finds"][0]["place"] == "my_master.py:20"
+    assert {cell["fault"] for cell in told["cells"]} <= {
+        "sdo_silence",
+        "power_cycle",
+        "heartbeat_stopped",
+    }
+    cases = ElementTree.parse(tmp_path / "report.xml").iter("testcase")
+    failed = [case.get("name") for case in cases if case.find("failure") is not None]
+    assert "hunt-1.twin.yaml: master my_master:main" in failed
+    page = (tmp_path / "report.html").read_text()
+    assert "<th>power_cycle</th>" in page
+    assert "class=fail" in page
+    assert "disturbances:" in page
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--finds", "nowhere"], "there is no directory nowhere"),
+        (["--html", "nowhere/page.html"], "there is no directory nowhere"),
+        (["--runs", "0"], "at least one run"),
+        (["--seconds", "-1"], "at least one run"),
+    ],
+)
+def test_what_cannot_be_is_told_before_anything_is_played(hunted, arguments, said):
+    code, told = hunted(CAREFUL, *arguments)
+    assert (code, said in told) == (2, True), told
+
+
+TEST = """\
+import my_master
+
+
+def test_it_survives(canopen_hunt):
+    report = canopen_hunt("contract.yaml", my_master.main, runs=20)
+    assert report.runs >= 20
+"""
+
+
+@pytest.mark.parametrize(("master", "outcome"), [(CAREFUL, "passed"), (BRITTLE, "failed")])
+def test_the_fixture_fails_with_what_it_finds(pytester, master, outcome):
+    pytester.makepyfile(my_master=master, test_it=TEST)
+    (pytester.path / "contract.yaml").write_text(CONTRACT)
+    (pytester.path / "finds").mkdir()
+    result = pytester.runpytest_inprocess("-p", "no:cacheprovider", "test_it.py")
+    result.assert_outcomes(**{outcome: 1})
+    finds = [*(pytester.path / "finds").glob("*.twin.yaml")]
+    assert bool(finds) == (outcome == "failed")
+    if finds:
+        result.stdout.fnmatch_lines(
+            ["*hunt-1.twin.yaml: master my_master:main: *", "disturbances:"]
+        )
+        again = pytester.runpytest_inprocess("-p", "no:cacheprovider", *map(str, finds))
+        again.assert_outcomes(failed=len(finds))  # and is a test from now on

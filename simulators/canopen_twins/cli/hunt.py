@@ -1,22 +1,21 @@
 """hunt: a contract, a master and a budget; finds are files, and the exit code says whether any."""
 
 import argparse
-import contextlib
-import io
-import logging
 import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TextIO
 
 from canopen_twins.cli.command import FAILED, OK, Parser
 from canopen_twins.cli.master import add_master
+from canopen_twins.cli.results import add_reports
 from canopen_twins.errors import UserError
-from canopen_twins.hunt.contract import Contract
-from canopen_twins.hunt.search import Budget, Hunt, Report
+from canopen_twins.files.whole import write_whole
+from canopen_twins.hunt.report import Report, as_html, as_json, as_verdict, lines
+from canopen_twins.hunt.search import SECONDS
+from canopen_twins.hunt.search import hunt as search
+from canopen_twins.scenario.verdict import as_junit
 
-SECONDS = 60.0
 PERIOD = 0.5  # seconds of real time from one line of progress to the next
 WIDTH = 78
 
@@ -29,9 +28,11 @@ def add_hunt(parser: Parser) -> None:
     text = f"search so long ({SECONDS:g} if nothing is said)"
     parser.add_argument("--seconds", type=float, metavar="S", help=text)
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="where chance begins")
-    parser.add_argument(
-        "--finds", type=Path, default=Path(), metavar="DIR", help="where finds are written"
-    )
+    text = "where finds are written, and those of before are played first"
+    parser.add_argument("--finds", type=Path, metavar="DIR", help=text)
+    text = "write a page with the finds and a picture of what was tried"
+    parser.add_argument("--html", type=Path, metavar="FILE", help=text)
+    add_reports(parser)
     parser.set_defaults(command=hunt)
 
 
@@ -41,52 +42,37 @@ def hunt(options: argparse.Namespace) -> int:
     Raises:
         UserError: something is wrong with the contract, the master or the budget.
     """
-    if not options.contract.is_file():
-        raise UserError(f"there is no file {options.contract}")
-    if not options.finds.is_dir():
-        raise UserError(f"there is no directory {options.finds}")
-    seconds = options.seconds
-    if seconds is None and options.runs is None:
-        seconds = SECONDS
+    for file in (options.html, options.junit):
+        if file is not None and not file.parent.is_dir():
+            raise UserError(f"{file}: there is no directory {file.parent}")
     line = Progress(sys.stderr)
-    with quiet():
-        search = Hunt(
-            Contract(options.contract, options.master or ""),
-            seed=options.seed,
-            budget=Budget(options.runs, seconds),
-            folder=options.finds,
-            tell=line.tell,
-        )
-        report = search.hunt()
+    report = search(
+        options.contract,
+        options.master or "",
+        runs=options.runs,
+        seconds=options.seconds,
+        seed=options.seed,
+        folder=options.finds,
+        tell=line.tell,
+    )
     line.close()
-    for text in told(report):
-        print(text)
-    return FAILED if report.finds else OK
+    _tell(report, options)
+    return OK if report.ok else FAILED
 
 
-def told(report: Report) -> Iterator[str]:
-    """For people: what has been found, and what has been done."""
-    for find in report.finds:
-        yield f"{find.file}: {find.outcome.what}: {find.outcome.seen}"
-        wrong = ", ".join(find.plan.faults) or "settings alone"
-        yield f"    {wrong}: {find.plan.size} beyond the contract"
-    hours = report.simulated / 3600
-    finds = f"{len(report.finds)} find{'' if len(report.finds) == 1 else 's'}"
-    thrown = f", {len(report.thrown_away)} thrown away" if report.thrown_away else ""
-    runs = f"{report.runs} runs, {hours:.2f} simulated hours"
-    weather = f"{report.weather} weather, seed {report.seed}"
-    yield f"{report.contract.file}: {finds}{thrown} in {runs}, {weather}"
+def _tell(report: Report, options: argparse.Namespace) -> None:
+    if options.html is not None:
+        _write(options.html, as_html(report))
+    if options.junit is not None:
+        _write(options.junit, as_junit([as_verdict(report)]))
+    print(as_json(report) if options.json else "\n".join(lines(report)))
 
 
-@contextlib.contextmanager
-def quiet() -> Iterator[None]:
-    """What a master prints and logs, thousands of times, is for nobody."""
-    logging.disable(logging.CRITICAL)
+def _write(path: Path, text: str) -> None:
     try:
-        with contextlib.redirect_stdout(io.StringIO()):
-            yield
-    finally:
-        logging.disable(logging.NOTSET)
+        write_whole(path, text)
+    except OSError as failure:
+        raise UserError(f"{path} cannot be written: {failure.strerror}") from failure
 
 
 class Progress:

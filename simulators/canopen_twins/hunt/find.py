@@ -33,6 +33,8 @@ class Find:
     verdict: Verdict
     steps: int
     """Of the contract, those that matter."""
+    text: str
+    """Of the file."""
 
     @property
     def outcome(self) -> Outcome:
@@ -91,7 +93,7 @@ def _delivered(setting: tuple[str, str, Any]) -> str:
     return f"{node} is delivered with {key} {value}"
 
 
-def write_find(contract: Contract, result: Result, failure: Failure, folder: Path) -> Path | None:
+def write_find(contract: Contract, result: Result, failure: Failure, folder: Path) -> Find | None:
     """Write the file, if it fails in the same way there and in another process; else None.
 
     Raises:
@@ -103,12 +105,14 @@ def write_find(contract: Contract, result: Result, failure: Failure, folder: Pat
         "name": f"{result.verdict.name}: {', '.join(result.plan.faults) or 'without any fault'}",
         "note": note_of(result.verdict, failure, result.plan),
     }
+    text = contract.text(result.plan, named, folder)
     try:
-        write_whole(path, contract.text(result.plan, named, folder))
+        write_whole(path, text)
     except OSError as error:
         raise UserError(f"{path} cannot be written: {error.strerror}") from error
     if _fails_the_same(path, contract, failure, result):
-        return path
+        steps = contract.steps - len(result.plan.left_out)
+        return Find(failure, path, result.plan, result.verdict, steps, text)
     path.unlink()
     return None
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import io
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from hashlib import sha256
 from typing import Any
@@ -74,7 +78,8 @@ def run(contract: Contract, plan: Plan) -> Result:
     except UserError as refusal:
         return Result(plan, error=str(refusal))
     observer = Observer()
-    verdict = play(scenario, observers=[observer.attach])
+    with quiet():
+        verdict = play(scenario, observers=[observer.attach])
     errors = [
         each
         for each in verdict.outcomes
@@ -91,6 +96,18 @@ def run(contract: Contract, plan: Plan) -> Result:
         observer.fired,
         verdict if failures else None,
     )
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """What a master prints and logs, thousands of times, is for nobody."""
+    before = logging.root.manager.disable
+    logging.disable(logging.CRITICAL)
+    try:
+        with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+            yield
+    finally:
+        logging.disable(before)
 
 
 class Observer:

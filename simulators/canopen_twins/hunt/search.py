@@ -6,9 +6,8 @@ What is found is shrunk and written at once, and the search goes on for others.
 from __future__ import annotations
 
 import time
-from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -18,8 +17,9 @@ from typing import Any, Protocol, TypeVar
 from canopen_twins.errors import UserError
 from canopen_twins.hunt.contract import Contract, Plan
 from canopen_twins.hunt.events import Events, events_of
-from canopen_twins.hunt.find import Find, write_find
-from canopen_twins.hunt.run import Cell, Failure, Result, run
+from canopen_twins.hunt.find import SUFFIX, Find, write_find
+from canopen_twins.hunt.report import Report
+from canopen_twins.hunt.run import Failure, Result, quiet, run
 from canopen_twins.hunt.shrink import Shrinker
 from canopen_twins.hunt.space import Space
 from canopen_twins.scenario import Verdict
@@ -27,6 +27,8 @@ from canopen_twins.scenario import Verdict
 Item = TypeVar("Item")
 Outcome = TypeVar("Outcome")
 
+SECONDS = 60.0
+"""Of a hunt of which nobody says how long it goes on."""
 PAIRS = 300
 """Pairs of singles, before everything is mixed."""
 
@@ -63,44 +65,8 @@ class BrokenContract(UserError):  # noqa: N818 - of the user's, not of ours
     """The contract fails without any fault, or says nothing."""
 
 
-@dataclass
-class Report:
-    """What a hunt has come to so far."""
-
-    contract: Contract
-    seed: int
-    weather: str = ""
-    runs: int = 0
-    void: int = 0
-    """Runs that said nothing about the master."""
-    simulated: float = 0.0
-    """Seconds."""
-    passed: Counter[Cell] = field(default_factory=Counter)
-    failed: Counter[Cell] = field(default_factory=Counter)
-    faults: list[str] = field(default_factory=list)
-    """All that are tried."""
-    left_out: dict[str, str] = field(default_factory=dict)
-    """Faults that are not, and why."""
-    finds: list[Find] = field(default_factory=list)
-    known: list[Find] = field(default_factory=list)
-    """Finds of before that still fail."""
-    thrown_away: list[Plan] = field(default_factory=list)
-    """Plans that have not failed again in the same way."""
-
-    def count(self, result: Result) -> None:
-        """Take a run."""
-        self.runs += 1
-        self.simulated += result.seconds
-        self.void += bool(result.error)
-        if not result.error:
-            (self.failed if result.failures else self.passed).update(set(result.cells))
-
-
 class Hunt:
-    """One hunt with one contract.
-
-    `tell` is called with the report after every run, `found` with every find.
-    """
+    """One hunt with one contract; `tell` is called with the report after every run."""
 
     def __init__(  # noqa: PLR0913 - what can be chosen
         self,
@@ -109,6 +75,7 @@ class Hunt:
         seed: int = 1,
         budget: Budget,
         folder: Path = Path(),
+        known: Iterable[Path] = (),
         play: Map = in_turn,
         tell: Callable[[Report], None] = lambda report: None,
     ) -> None:
@@ -117,6 +84,7 @@ class Hunt:
         self._chance = Random(seed)
         self._budget = budget
         self._folder = folder
+        self._known = known
         self._play = play
         self._tell = tell
         self._failures: set[Failure] = set()
@@ -130,6 +98,7 @@ class Hunt:
             UserError: something is wrong with the contract or its master.
         """
         events, space = self._without_faults()
+        self._try_known()
         self._try(space.singles())
         if space.limits.most > 1:
             self._try(islice(self._pairs(), PAIRS))
@@ -142,7 +111,8 @@ class Hunt:
         if scenario.master is None:
             raise UserError(f"{scenario.file}: who is tested? Say --master MODULE:FUNCTION")
         scenario.master.check()
-        events, verdict = events_of(scenario)
+        with quiet():
+            events, verdict = events_of(scenario)
         if not verdict.ok:
             raise BrokenContract(broken(verdict))
         again = run(self._contract, Plan())
@@ -161,6 +131,21 @@ class Hunt:
     @property
     def _left(self) -> bool:
         return self._budget.left(self.report.runs)
+
+    def _try_known(self) -> None:
+        """The finds of before; what still fails is not looked for again."""
+        for path in self._known:
+            result = run(Contract(path, self._contract.master), Plan())
+            self.report.count(result)
+            if result.error:
+                raise UserError(f"{path}: {result.error}")
+            if result.verdict is None:
+                self.report.mended.append(str(path))
+            for failure in result.failures:
+                self._failures.add(failure)
+            if result.verdict is not None:
+                failure, text = result.failures[0], path.read_text("utf-8")
+                self.report.known.append(Find(failure, path, Plan(), result.verdict, 0, text))
 
     def _while_left(self, plans: Iterable[Plan]) -> Iterator[Plan]:
         for plan in plans:
@@ -191,15 +176,14 @@ class Hunt:
         plan = shrinker.shrink(result.plan)
         result = play(plan)
         self.report.runs += shrinker.runs + 1
-        written = None
+        find = None
         if failure in result.failures:
-            written = write_find(self._contract, result, failure, self._folder)
-        if written is None or result.verdict is None:
+            find = write_find(self._contract, result, failure, self._folder)
+        if find is None:
             self._failures.discard(failure)
             self.report.thrown_away.append(plan)
-            return
-        steps = self._contract.steps - len(plan.left_out)
-        self.report.finds.append(Find(failure, written, plan, result.verdict, steps))
+        else:
+            self.report.finds.append(find)
 
     def _pairs(self) -> Iterator[Plan]:
         """Of singles that have changed something and were survived."""
@@ -236,3 +220,50 @@ def broken(verdict: Verdict) -> str:
 
 def _is_good(outcome: Any) -> bool:
     return str(outcome.kind) in ("PASS", "SKIP")
+
+
+def hunt(  # noqa: PLR0913 - what can be chosen
+    file: Path,
+    master: str = "",
+    *,
+    runs: int | None = None,
+    seconds: float | None = None,
+    seed: int = 1,
+    folder: Path | None = None,
+    play: Map = in_turn,
+    tell: Callable[[Report], None] = lambda report: None,
+) -> Report:
+    """Hunt with the contract of a file; for a minute, if neither runs nor seconds are given.
+
+    Args:
+        file: The contract.
+        master: `MODULE:FUNCTION`; empty: that of the file.
+        runs: How many runs are played at most.
+        seconds: How long it goes on, in real time.
+        seed: Where chance begins.
+        folder: Where finds are written, and those of before are played; None: here, and none.
+        play: Where runs are played.
+        tell: Called with the report after every run.
+
+    Raises:
+        UserError: something is wrong with one of them, or the contract is not kept without faults.
+    """
+    if not file.is_file():
+        raise UserError(f"there is no file {file}")
+    if folder is not None and not folder.is_dir():
+        raise UserError(f"there is no directory {folder}")
+    if (runs is not None and runs < 1) or (seconds is not None and seconds <= 0):
+        raise UserError("there has to be time for at least one run: --runs 100, --seconds 60")
+    if runs is None and seconds is None:
+        seconds = SECONDS
+    known = [] if folder is None else sorted(folder.glob(f"*{SUFFIX}"))
+    budget, contract = Budget(runs, seconds), Contract(file, master)
+    return Hunt(
+        contract,
+        seed=seed,
+        budget=budget,
+        folder=folder or Path(),
+        known=known,
+        play=play,
+        tell=tell,
+    ).hunt()
