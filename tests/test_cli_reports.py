@@ -103,11 +103,11 @@ def test_run_without_a_scenario_has_no_verdict(said, option):
 def test_a_report_that_has_no_place_is_refused_before_anything_is_played(said, story):
     code, out, err = said("play", story("good"), "--junit", "/nowhere/report.xml")
     assert (code, out) == (2, "")
-    assert err == "canopen-twin: /nowhere/report.xml: there is no directory /nowhere\n"
+    assert err == "canopen-twin: /nowhere/report.xml: there is no directory for it\n"
 
 
 def test_a_report_that_is_a_directory_is_refused_before_anything_is_played(said, story, tmp_path):
-    told = f"canopen-twin: {tmp_path} is a directory\n"
+    told = f"canopen-twin: {tmp_path} is a directory, where a plain file is wanted\n"
     assert said("play", story("good"), "--junit", str(tmp_path)) == (2, "", told)
 
 

@@ -124,8 +124,30 @@ def test_a_table_of_bits_is_told_with_its_place(tmp_path, text, told):
 def test_a_table_as_large_as_a_disk_is_not_read(tmp_path):
     file = tmp_path / "table"
     file.write_bytes(b"#" * (1 << 20) + b"#")
-    with pytest.raises(UserError, match="larger than 1048576 bytes"):
+    with pytest.raises(UserError, match="larger than 1024 KiB"):
         Bench("gateway", scaling=str(file))
+
+
+HEAD = "number,full_scale,unit,counts"
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        ("any words\n", "there is no row below the names of the columns"),
+        (f"{HEAD}\n2000,4000\n", "line 2: not as many fields as there are columns"),
+        (f"{HEAD}\n2000,1,rpm,1,1\n", "line 2: not as many fields as there are columns"),
+        (f"{HEAD}\n2000,1,{'rpm' * 70_000},1\n", "field larger than field limit"),
+    ],
+    ids=["words", "short", "long", "large"],
+)
+def test_a_scaling_that_is_no_table_of_ours_is_told_in_one_line(tmp_path, content, told):
+    file = tmp_path / "table"
+    file.write_text(content)
+    with pytest.raises(UserError) as refusal:
+        Bench("gateway", scaling=str(file))
+    assert str(refusal.value).startswith(f"{file}: {told}")
+    assert "\n" not in str(refusal.value)
 
 
 @pytest.mark.parametrize("setting", ["boot_time", "governor_cycle"])

@@ -14,6 +14,7 @@ from errno import EDQUOT, EFBIG, ENOSPC
 from functools import partial
 from importlib import import_module
 from importlib.metadata import version
+from io import TextIOWrapper
 from textwrap import fill
 
 from canopen_twins.cli.command import (
@@ -156,10 +157,13 @@ def _refused(why: str) -> int:
 
 
 def _open_streams() -> None:
-    """Where the caller has closed stdout or stderr, what is said there is for nobody."""
+    """What is said is written; where the caller has closed stdout or stderr, it is for nobody."""
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
             setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_WRONLY), "w"))
+        stream = getattr(sys, name)
+        if isinstance(stream, TextIOWrapper):  # whatever it is encoded in, a verdict is written
+            stream.reconfigure(errors="backslashreplace")
 
 
 def _end_output() -> None:

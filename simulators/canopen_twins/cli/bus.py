@@ -1,8 +1,11 @@
 """The bus of `run`: one of python-can, or one on a hub."""
 
 import argparse
+import json
+import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from configparser import Error as ConfigParserError
+from contextlib import contextmanager, nullcontext, suppress
 from errno import EAFNOSUPPORT, ENODEV
 from functools import partial
 from typing import Any, NamedTuple
@@ -104,12 +107,27 @@ def _of_python_can(options: argparse.Namespace) -> NamedBus:
 
 
 def _config(options: argparse.Namespace) -> Mapping[str, Any]:
-    """What python-can makes of the options and of its configuration files; empty if it cannot."""
+    """What python-can makes of the options and of its configuration files; empty if it cannot.
+
+    Raises:
+        UserError: a file or CAN_CONFIG is none.
+    """
     given = {key: getattr(options, key) for key in ("interface", "channel") if key in options}
+    _check_environment(os.environ.get("CAN_CONFIG", "{}"))
     try:
         return load_config(config={**given, **getattr(options, "bus_kwargs", {})})
+    except ConfigParserError as failure:
+        words = " ".join(str(failure).split())
+        raise UserError(f"the configuration of python-can: {words}") from failure
     except (can.CanError, ValueError):
         return given
+
+
+def _check_environment(told: str) -> None:
+    with suppress(ValueError):
+        if isinstance(json.loads(told), dict):
+            return
+    raise UserError(f"CAN_CONFIG is a JSON object of options of python-can, not {told}")
 
 
 def _open(options: argparse.Namespace) -> can.BusABC:

@@ -4,7 +4,8 @@ import argparse
 import os
 import signal
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from math import inf
 from types import FrameType
 from typing import Any, NoReturn
 
@@ -81,6 +82,18 @@ def node_id(text: str) -> int:
         raise argparse.ArgumentTypeError(told) from None
 
 
+def seconds(text: str) -> float:
+    """A time as it is written on a command line.
+
+    Raises:
+        argparse.ArgumentTypeError: it is no finite number above 0.
+    """
+    with suppress(ValueError):
+        if 0 < (time := float(text)) < inf:
+            return time
+    raise argparse.ArgumentTypeError(f"a time is a number of seconds above 0, not {text!r}")
+
+
 def add_json(parser: argparse.ArgumentParser) -> None:
     """--json."""
     parser.add_argument("--json", action="store_true", help="for programs")
@@ -143,7 +156,10 @@ class Signals(list[int]):
 
 @contextmanager
 def catch_signals() -> Iterator[Signals]:
-    """SIGINT and SIGTERM are wishes: what is under way is finished first."""
+    """SIGINT, SIGTERM and SIGHUP are wishes: what is under way is finished first.
+
+    A SIGHUP that is ignored, as under nohup, stays so.
+    """
     caught = Signals()
 
     def catch(number: int, frame: FrameType | None) -> None:
@@ -153,6 +169,8 @@ def catch_signals() -> Iterator[Signals]:
         caught.asks_for_state = True
 
     handlers = dict.fromkeys((signal.SIGINT, signal.SIGTERM), catch)
+    if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
+        handlers[signal.SIGHUP] = catch
     if hasattr(signal, "SIGUSR1"):
         handlers[signal.SIGUSR1] = ask
     before = {number: signal.signal(number, handler) for number, handler in handlers.items()}

@@ -6,11 +6,11 @@ import time
 from pathlib import Path
 from typing import TextIO
 
-from canopen_twins.cli.command import FAILED, OK, Parser
+from canopen_twins.cli.command import FAILED, OK, Parser, seconds
 from canopen_twins.cli.master import add_master
 from canopen_twins.cli.results import add_reports
 from canopen_twins.errors import UserError
-from canopen_twins.files.whole import write_whole
+from canopen_twins.files.whole import report_file, write_whole
 from canopen_twins.hunt.report import Report, as_html, as_json, as_verdict, lines
 from canopen_twins.hunt.search import SECONDS
 from canopen_twins.hunt.search import hunt as search
@@ -26,7 +26,7 @@ def add_hunt(parser: Parser) -> None:
     add_master(parser)
     parser.add_argument("--runs", type=int, metavar="N", help="play so many runs")
     text = f"search so long ({SECONDS:g} if nothing is said)"
-    parser.add_argument("--seconds", type=float, metavar="S", help=text)
+    parser.add_argument("--seconds", type=seconds, metavar="S", help=text)
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="where chance begins")
     text = "where finds are written, and those of before are played first"
     parser.add_argument("--finds", type=Path, metavar="DIR", help=text)
@@ -43,8 +43,8 @@ def hunt(options: argparse.Namespace) -> int:
         UserError: something is wrong with the contract, the master or the budget.
     """
     for file in (options.html, options.junit):
-        if file is not None and not file.parent.is_dir():
-            raise UserError(f"{file}: there is no directory {file.parent}")
+        if file is not None:
+            report_file(file)
     line = Progress(sys.stderr)
     report = search(
         options.contract,

@@ -13,7 +13,7 @@ from canopen_twins.cli.check import found
 from canopen_twins.cli.command import Parser
 from canopen_twins.device.device import Device
 from canopen_twins.errors import UserError
-from canopen_twins.files.whole import write_whole
+from canopen_twins.files.whole import report_file, write_whole
 from canopen_twins.scenario import Scenario, Verdict
 from canopen_twins.scenario.verdict import as_json, as_junit
 
@@ -50,10 +50,8 @@ class Announcer:
         self._json: bool = options.json
         self._junit: Path | None = options.junit
         self._verdicts: list[Verdict] = []
-        if self._junit is not None and not self._junit.parent.is_dir():
-            raise UserError(f"{self._junit}: there is no directory {self._junit.parent}")
-        if self._junit is not None and self._junit.is_dir():
-            raise UserError(f"{self._junit} is a directory")
+        if self._junit is not None:
+            report_file(self._junit)
 
     @property
     def wanted(self) -> bool:

@@ -4,13 +4,17 @@ import argparse
 from pathlib import Path
 
 from canopen_twins.bus import vcan as guest
-from canopen_twins.cli.command import Parser
+from canopen_twins.cli.command import Parser, seconds
 
 
 def add_vcan(parser: Parser) -> None:
     """vcan."""
     parser.add_argument(
-        "--limit", type=float, default=300.0, metavar="SECONDS", help="end it after this time (300)"
+        "--limit",
+        type=seconds,
+        default=300.0,
+        metavar="SECONDS",
+        help="end it after this time (300)",
     )
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="keep what is written there; the rest is lost"

@@ -64,6 +64,8 @@ KINDS: Mapping[type, str] = {
     object: "number or text",
 }
 """What a parameter is, in words."""
+LARGEST: Mapping[type, float] = {int: 2**63 - 1, float: 1e9, object: 2**63 - 1}
+"""What no number is beyond, on either side of 0: in seconds it is longer than any run."""
 WEATHERS = ("mild", "rough", "hostile")
 
 
@@ -82,8 +84,9 @@ USUAL = Weather()
 class Parameter:
     """One parameter of a fault: what it means, and its value when nobody says otherwise.
 
-    A parameter without default has to be given. A number has to be in `low`..`high`; one of kind
-    `object` is a number or a text. `examples` are what a hunt tries where the range does not tell.
+    A parameter without default has to be given. A number has to be in `low`..`high`, and is never
+    beyond `LARGEST`; one of kind `object` is a number or a text. `examples` are what a hunt tries
+    where the range does not tell.
     """
 
     text: str
@@ -240,8 +243,11 @@ def argument(name: str, fault: Fault, parameter: str, value: object) -> Any:
         raise unknown(f"parameter of fault {name!r}", parameter, fault.parameters)
     told = fault.parameters[parameter]
     taken = convert(f"parameter {parameter!r} of fault {name!r}", value, told.kind)
-    if isinstance(taken, (int, float)) and not told.low <= taken <= told.high:
-        size = "less" if taken < told.low else "more"
-        end = told.low if taken < told.low else told.high
+    if not isinstance(taken, (int, float)):
+        return taken
+    largest = LARGEST[told.kind]
+    low, high = max(told.low, -largest), min(told.high, largest)
+    if not low <= taken <= high:
+        size, end = ("less", low) if taken < low else ("more", high)
         raise UserError(f"parameter {parameter!r} of fault {name!r}: {value} is {size} than {end}")
     return taken

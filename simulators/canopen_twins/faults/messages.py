@@ -150,7 +150,7 @@ EMCY: Mapping[str, FaultType] = {
         "An emergency is told again and again, in whatever state the device is.",
         "More messages than it can work off: none of another node may be lost, nor its own cycle.",
         {
-            "seconds": Parameter("from one to the next, in s", 0.001, low=1e-6),
+            "seconds": Parameter("from one to the next, in s", 0.001, low=1e-5),
             "times": Parameter("how many; 0: no end", 0, int, low=0),
             "code": Parameter("emergency error code", 0x1000, int, low=0, high=0xFFFF),
             "register": Parameter("error register", 0x01, int, low=0, high=0xFF),
@@ -241,7 +241,7 @@ ERROR_CONTROL: Mapping[str, FaultType] = {
         "The boot-up message comes several times, although the node boots once.",
         "A node that seems to boot again: to be configured again, and no endless loop.",
         {
-            "repeats": Parameter("how many times more", 1, int, low=1),
+            "repeats": Parameter("how many times more", 1, int, low=1, high=1000),
             "seconds": PERIOD,
             **AIM,
         },

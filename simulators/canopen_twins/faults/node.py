@@ -156,7 +156,7 @@ class Duplicate(Disturbance):
         self._nodes.remove(self._twin)
 
 
-PERIOD = Parameter("from one to the next, in s", 1.0, low=1e-6)
+PERIOD = Parameter("from one to the next, in s", 1.0, low=1e-3)
 
 NODE: Mapping[str, FaultType] = {
     "reset_loop": FaultType(

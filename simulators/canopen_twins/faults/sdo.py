@@ -259,7 +259,11 @@ SDO: Mapping[str, FaultType] = {
     "sdo_wrong_size": FaultType(
         "The answer to a read announces another size than its data have.",
         "A value of the wrong length, or a transfer that ends early: an error, no value.",
-        {"by": Parameter("how many bytes too many", -1, int), **OBJECT, **AIM},
+        {
+            "by": Parameter("how many bytes too many", -1, int, low=-0xFFFF, high=0xFFFF),
+            **OBJECT,
+            **AIM,
+        },
         lambda place, by, **aim: SdoFilter(place, other_size(by), access=sdo.READ, **aim),
     ),
     "sdo_stall": FaultType(

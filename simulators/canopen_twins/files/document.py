@@ -22,6 +22,7 @@ from canopen_twins.files.convert import PLAIN, TIMES, meant_number
 
 log = logging.getLogger(__name__)
 
+SURROGATE = re.compile("[\ud800-\udfff]")
 GLUED = re.compile(r"(\w+):(\S.*)")
 """A key and its value without the space between them."""
 LARGEST_FILE = 256 * 1024  # bytes
@@ -335,6 +336,8 @@ def _node(event: Any, events: Iterator[Any], levels: int) -> yaml.Node:
     if event.tag is not None:
         raise ComposerError(None, None, f"there are no tags here: leave {event.tag!r} out", mark)
     if isinstance(event, yaml.ScalarEvent):
+        if SURROGATE.search(event.value):
+            raise ComposerError(None, None, f"{event.value!a} has half a character", mark)
         return yaml.ScalarNode("", event.value, mark, style=event.style)
     if not levels:
         raise RecursionError

@@ -6,9 +6,8 @@ import shutil
 import stat
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import IO
 
 from canopen_twins.errors import UserError
 
@@ -24,20 +23,44 @@ def plain_file(path: Path) -> Path:
     Raises:
         UserError: it is no plain file, or there is no directory for one.
     """
+    real, mode = _looked_at(path)
+    if mode is not None and not stat.S_ISREG(mode):
+        raise UserError(f"{path} is a device, a pipe or the like, where a plain file is wanted")
+    return real
+
+
+def report_file(path: Path) -> Path:
+    """The same for what is written at the end, which may go to a device or a pipe: /dev/stdout."""
+    return _looked_at(path)[0]
+
+
+def real_path(path: Path) -> Path:
+    """Where a name leads; raises `UserError` if its links lead in a circle."""
     try:
         real = path.resolve()
-        mode = real.stat().st_mode if real.exists() else None
-    except (OSError, RuntimeError) as failure:  # a link that leads to itself, a name too long
-        words = failure.strerror if isinstance(failure, OSError) else "links lead in a circle"
-        raise UserError(f"{path}: {words}") from failure
-    if real.is_symlink():  # as Python 3.13 leaves it
-        raise UserError(f"{path}: links lead in a circle")
-    if mode is None and not real.parent.is_dir():
-        raise UserError(f"{path}: there is no directory for it")
-    if mode is not None and not stat.S_ISREG(mode):
-        kind = "a directory" if stat.S_ISDIR(mode) else "a device, a pipe or the like"
-        raise UserError(f"{path} is {kind}, where a plain file is wanted")
-    return real
+        if not real.is_symlink():  # Python 3.13 leaves one that leads to itself
+            return real
+    except RuntimeError:
+        pass
+    except OSError as failure:  # a name that is too long; the directory we are in is gone
+        raise UserError(f"{path}: {failure.strerror}") from failure
+    raise UserError(f"{path}: links lead in a circle")
+
+
+def _looked_at(path: Path) -> tuple[Path, int | None]:
+    """Where something that is no directory is, or may be, and its mode if it is there."""
+    real = real_path(path)
+    try:
+        mode = real.stat().st_mode
+    except FileNotFoundError:
+        if not real.parent.is_dir():
+            raise UserError(f"{path}: there is no directory for it") from None
+        return real, None
+    except OSError as failure:  # a name that is too long, a file where a directory is wanted
+        raise UserError(f"{path}: {failure.strerror}") from failure
+    if stat.S_ISDIR(mode):
+        raise UserError(f"{path} is a directory, where a plain file is wanted")
+    return real, mode
 
 
 def read_plain(path: Path, largest: int) -> bytes:
@@ -57,7 +80,7 @@ def read_plain(path: Path, largest: int) -> bytes:
     return content
 
 
-def write_whole(path: Path, text: str) -> None:
+def write_whole(path: Path, content: str | bytes) -> None:
     """Replace a file in one step: whoever reads it finds the old content or the new one.
 
     What is no file, as /dev/stdout, is written to as it is; a link stays one, and a mode, too.
@@ -65,15 +88,16 @@ def write_whole(path: Path, text: str) -> None:
     Raises:
         OSError: it cannot be written; it is as before.
     """
+    data = content.encode("utf-8", "backslashreplace") if isinstance(content, str) else content
     if path.exists() and not path.is_file() and not path.is_dir():
-        path.write_text(text, "utf-8")
+        path.write_bytes(data)
         return
     path = path.resolve()
     part = path.with_name(f".{secrets.token_hex(8)}{PART}")  # the name itself may be of full length
     handle = os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)  # less the umask
     try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
             file.flush()
             os.fsync(file.fileno())
         if path.exists():
@@ -105,19 +129,21 @@ def file_part(path: Path) -> Iterator[Path]:
     input; the next one replaces it.
 
     Raises:
-        UserError: it cannot be written there.
+        UserError: it cannot be written there, or another run is writing it.
     """
     path = plain_file(path)
     part = _beside(path, PART)
-    with _writing(path):
-        part.touch()
-    try:
-        yield part
-    except UserError:
-        part.unlink()
-        raise
-    with _writing(path):
-        part.replace(path)
+    with ExitStack() as stack:
+        with _writing(path):
+            file = stack.enter_context(plain_file(part).open("a"))
+            _lock_for(path, file.fileno())
+        try:
+            yield part
+        except UserError:
+            part.unlink()
+            raise
+        with _writing(path):
+            part.replace(path)
 
 
 @contextmanager
@@ -129,23 +155,27 @@ def folder_part(path: Path) -> Iterator[Path]:
     Raises:
         UserError: something is there already, also as a part, or it cannot be written.
     """
-    with _writing(path):
-        told, path = path, path.resolve()  # `.` has no name, and a link stays one
-        if path.exists() and (not path.is_dir() or any(path.iterdir())):
-            raise UserError(f"{told} exists: a record has a directory of its own")
-        part = _beside(path, PART)
-        if part.exists():
-            raise UserError(f"{part} is left of a run that has not ended: remove it")
-        part.mkdir()
-    try:
-        yield part
-    except UserError:
-        shutil.rmtree(part)
-        raise
-    with _writing(path):
-        if path.exists():
-            path.rmdir()
-        part.replace(path)
+    with ExitStack() as stack:
+        with _writing(path):
+            told, path = path, real_path(path)  # `.` has no name, and a link stays one
+            if path.exists() and (not path.is_dir() or any(path.iterdir())):
+                raise UserError(f"{told} exists: a record has a directory of its own")
+            part = _beside(path, PART)
+            if part.exists():
+                with _folder(part) as handle:
+                    _lock_for(told, handle)
+                raise UserError(f"{part} is left of a run that has not ended: remove it")
+            part.mkdir()
+            _lock_for(told, stack.enter_context(_folder(part)))
+        try:
+            yield part
+        except UserError:
+            shutil.rmtree(part)
+            raise
+        with _writing(path):
+            if path.exists():
+                path.rmdir()
+            part.replace(path)
 
 
 @contextmanager
@@ -158,15 +188,10 @@ def held(path: Path) -> Iterator[None]:
         UserError: another process holds it, or the directory cannot be written.
     """
     path = plain_file(path)
-    with _writing(path, "kept there"):
-        file = plain_file(_beside(path, ".lock")).open(
-            "a"
-        )  # a link that stands there loses nothing
+    with _writing(path, "kept there"):  # a link that stands there loses nothing
+        file = plain_file(_beside(path, ".lock")).open("a")
     with file:
-        try:
-            _lock(file)
-        except OSError:
-            raise UserError(f"{path} belongs to another run") from None
+        _lock_for(path, file.fileno())
         yield
 
 
@@ -182,14 +207,31 @@ def _writing(path: Path, how: str = "written") -> Iterator[None]:
         raise UserError(f"{path} cannot be {how}: {failure.strerror}") from failure
 
 
+def _lock_for(path: Path, handle: int) -> None:
+    try:
+        _lock(handle)
+    except OSError:
+        raise UserError(f"{path} belongs to another run") from None
+
+
 if sys.platform == "win32":
     import msvcrt
 
-    def _lock(file: IO[str]) -> None:
-        msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+    def _lock(handle: int) -> None:
+        msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
 
 else:
     import fcntl
 
-    def _lock(file: IO[str]) -> None:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    def _lock(handle: int) -> None:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+@contextmanager
+def _folder(path: Path) -> Iterator[int]:
+    """What a lock of a folder holds."""
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        yield handle
+    finally:
+        os.close(handle)

@@ -2,9 +2,9 @@
 
 import json
 import platform
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, entry_points, version
 from os.path import commonpath
@@ -15,6 +15,7 @@ from pydantic import BaseModel, ValidationError
 
 from canopen_twins import devices
 from canopen_twins.device.device import Device
+from canopen_twins.device.settings import about
 from canopen_twins.errors import UserError
 from canopen_twins.scenario import Scenario
 from canopen_twins.slave.memory import Memory
@@ -87,7 +88,7 @@ class Manifest(BaseModel, frozen=True, extra="forbid", strict=True):
             scenario=None if scenario is None else str(scenario.file),
             seed=None if scenario is None else scenario.seed,
             nodes=nodes,
-            files={name: digest(Path(name)) for name in sorted(_files(nodes))},
+            files={name: digest(Path(name)) for name in sorted(_files(participants.values()))},
             versions=_versions(node.device for node in nodes),
         )
 
@@ -107,6 +108,7 @@ def read_manifest(path: Path) -> Manifest:
         if path.stat().st_size > LARGEST_FILE:
             raise ValueError(f"larger than {LARGEST_FILE} bytes")
         content = json.loads(path.read_text("utf-8"))
+        json.dumps(content, ensure_ascii=False).encode("utf-8")  # no half of a character
         if isinstance(content, dict) and content.get("format", FORMAT) != FORMAT:
             told = content["format"]
             raise UserError(f"{path}: format {told!r} is unknown; this program reads {FORMAT}")
@@ -194,8 +196,12 @@ def _name(device: type[Device]) -> str:
     raise UserError(f"{device.__name__} is no device of `canopen-twin list`: it has no record")
 
 
-def _files(nodes: Iterable[Participant]) -> Iterator[str]:
-    for node in nodes:
-        for value in node.settings.values():
-            if isinstance(value, str) and value and Path(value).is_file():
-                yield value
+def _files(participants: Iterable[Device]) -> set[str]:
+    """Those that settings name: what is called like the value of another setting is none."""
+    return {
+        value
+        for device in participants
+        for entry in fields(device.settings)
+        if about(entry).file and (value := getattr(device.settings, entry.name))
+        if Path(value).is_file()
+    }

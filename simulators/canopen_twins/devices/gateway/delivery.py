@@ -25,6 +25,7 @@ from canopen_twins.devices.gateway.settings import Settings
 from canopen_twins.errors import UserError
 from canopen_twins.files.document import Item, Pair, understand, values
 from canopen_twins.files.shipped import od_file
+from canopen_twins.files.whole import read_plain
 
 VERSION = 1
 UNITS = [unit.value for unit in Unit]
@@ -165,7 +166,9 @@ def _shipped_assignment() -> Assignment:
 def _scaling(file: str) -> Scaling:
     try:
         return scaling(_parameters(), _rows(Path(file)))
-    except (OSError, ValueError) as refusal:
+    except UserError:  # which says what file it is
+        raise
+    except (ValueError, csv.Error) as refusal:
         raise UserError(f"{file}: {refusal}") from refusal
 
 
@@ -176,6 +179,13 @@ def _meaning(table: Item) -> Assignment:
 
 
 def _rows(path: Path) -> list[dict[str, str]]:
-    if path.stat().st_size > LARGEST_FILE:
-        raise ValueError(f"larger than {LARGEST_FILE} bytes")
-    return list(csv.DictReader(path.read_text("utf-8").splitlines()))
+    """The rows of a table, each with all of its columns."""
+    reader = csv.DictReader(read_plain(path, LARGEST_FILE).decode("utf-8").splitlines())
+    rows = []
+    for row in reader:
+        if None in row or None in row.values():
+            raise ValueError(f"line {reader.line_num}: not as many fields as there are columns")
+        rows.append(row)
+    if not rows:
+        raise ValueError("there is no row below the names of the columns")
+    return rows

@@ -152,7 +152,7 @@ UNIT_FAULTS: Mapping[str, Fault] = {
         "The governor starts, and takes its time (12422 after the delay 400).",
         _be_late,
         _be_in_time,
-        {"seconds": Parameter("from now until its programme runs", 5.0)},
+        {"seconds": Parameter("from now until its programme runs", 5.0, low=0)},
     ),
     "supply": _of_unit(
         "The supply is not 24 V (3085 below 7.5 V).",

@@ -10,6 +10,7 @@ from pathlib import Path
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
+from canopen_twins.files.whole import report_file, write_whole
 from canopen_twins.record.plot.page import page
 from canopen_twins.record.plot.run import Run
 from canopen_twins.scenario import Player
@@ -27,9 +28,7 @@ class Plot:
         self._suffix = path.suffix.lower()
         if self._suffix not in SUFFIXES:
             raise UserError(f"{path} is no picture: its name ends with {', '.join(SUFFIXES)}")
-        if not path.parent.is_dir():
-            raise UserError(f"{path}: there is no directory {path.parent}")
-        self._path = path
+        self._path = report_file(path)
         self._draw = _drawing()
         self._runs: list[Run] = []
 
@@ -49,7 +48,7 @@ class Plot:
         else:
             content = self._draw(run, self._suffix[1:], headed=True)
         try:
-            self._path.write_bytes(content)
+            write_whole(self._path, content)
         except OSError as failure:
             raise UserError(f"{self._path} cannot be written: {failure.strerror}") from failure
 
