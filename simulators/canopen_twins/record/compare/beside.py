@@ -27,6 +27,8 @@ from canopen_twins.slave.emcy import emcy_id
 from canopen_twins.slave.error_control import TOGGLE
 from canopen_twins.slave.nmt import ALL_NODES, RESETS, STATE_BYTE, TARGET
 from canopen_twins.slave.object import Entry, Rejected
+from canopen_twins.slave.pdo import carried
+from canopen_twins.slave.rpdo import Rpdo
 from canopen_twins.slave.service import State
 from canopen_twins.slave.slave import Slave
 from canopen_twins.slave.sync import COB_ID as SYNC_COB_ID
@@ -82,6 +84,7 @@ class Beside:
         self._segment = segment
         self._streams: dict[str, Stream] = {}
         self._written: set[Address] = set()
+        self._pdos: set[int] = set()  # identifiers of the master that may be those of PDOs
         self._knows_state = False
         self._beat: int | None = None  # the last heartbeat of the device, in the middle
         self._beats = False  # whether its period is known
@@ -127,6 +130,7 @@ class Beside:
         if frame.can_id == identifiers.NMT and len(frame.data) == 2:
             self._on_nmt(tick, *frame.data)
         if frame.can_id != identifiers.sdo_request(node_id):
+            self._pdos.add(frame.can_id)
             return False
         self.dialogue.ask(tick, frame)
         return True
@@ -304,6 +308,15 @@ class Beside:
         self._streams.pop(HEARTBEAT, None)
         return True
 
+    def _by_pdo(self, entry: Entry) -> bool:
+        """Whether a PDO of the trace may have brought what is in an object."""
+        slave = self.node.slave
+        assert slave is not None
+        heard = (n for n in Rpdo.numbers(slave) if Rpdo.identifier(slave, n) in self._pdos)
+        return any(
+            part.entry is entry for n in heard for part in carried(slave, Rpdo.mapping + n - 1)
+        )
+
     def _set(self, entry: Entry, value: bytes) -> None:
         """What a master must have written before the trace began."""
         assert self.node.slave is not None
@@ -380,7 +393,7 @@ class Beside:
         told, entry = outcome(transfer.device), self._judge.entry(transfer.address)
         if entry is None or not entry.writable or told.value is None:
             return
-        if entry.address in self._written or told.code is not None:
+        if entry.address in self._written or told.code is not None or self._by_pdo(entry):
             return
         self._written.add(entry.address)
         if entry.read() == told.value:

@@ -41,6 +41,20 @@ class Transfer:
     until: int | None = None
     """When the next one began."""
 
+    @property
+    def is_over(self) -> bool:
+        """Whether the device has said the last word: what comes without an initiate is stray."""
+        if not self.device or len(last := self.device[-1].data) != sdo.LENGTH:
+            return False
+        match sdo.specifier(last):
+            case Scs.ABORT:
+                return True
+            case Scs.UPLOAD:
+                return sdo.is_expedited(last)
+            case Scs.DOWNLOAD:
+                return sdo.is_expedited(self.request.data)
+        return False
+
 
 class Outcome(NamedTuple):
     """What a transfer has come to, on one side."""
@@ -108,8 +122,8 @@ class Dialogue:
         if whole:
             self._conversation.ask(data)
         opens = self._conversation.segment == 0 and not sdo.is_abort(data)
-        if not whole or opens or not self._open:
-            self._begin(tick, frame, whole and data[0] in sdo.INITIATES)
+        if not whole or opens or not self._open or self._open[-1].is_over:
+            self._begin(tick, frame, whole and opens)
         self._open[-1].asked = tick
         self._waiting = frame
         if sdo.is_abort(data):
