@@ -7,8 +7,9 @@ PATIENCE = 250  # pauses until an answer is given up
 class Master:
     """Asks one node of a bench, and waits for its answers as a master does."""
 
-    def __init__(self, bench):
+    def __init__(self, bench, pause=PAUSE):
         self.bench = bench
+        self.pause = pause
         self.node = bench.node_id
 
     def send(self, base, data):
@@ -23,7 +24,7 @@ class Master:
         answers = self.send(0x600, data)
         for _ in range(PATIENCE):
             found = [text[4:] for text in answers if text.startswith(can_id)]
-            answers = self.bench.run(PAUSE)
+            answers = self.bench.run(self.pause)
             if found:
                 return found[0]
         return ""
@@ -66,9 +67,9 @@ ACTUAL = [(index, 0) for index in (0x2020, 0x2021, 0x2022, 0x2023)]
 SAVE = 0x65766173
 
 
-def supply(bench):
+def supply(bench, pause=PAUSE):
     """A TopCon: who it is, its figures, a run with an emergency, PDOs, guarding, a reset."""
-    master = Master(bench)
+    master = Master(bench, pause)
     if not bench.trace:
         master.wait_for_boot_up()
     master.run(0.05)

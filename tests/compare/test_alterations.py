@@ -72,7 +72,7 @@ FAULTS = [
     ("sdo_wrong_index", {}, "SDO 0x1000:00 Device Type: another form"),
     ("sdo_wrong_toggle", {}, "SDO 0x1008:00 Manufacturer Device Name: another form"),
     ("sdo_wrong_size", {}, "SDO 0x1000:00 Device Type: another value"),
-    ("sdo_stall", {}, "SDO 0x1008:00 Manufacturer Device Name: another value"),
+    ("sdo_stall", {}, "SDO 0x1008:00 Manufacturer Device Name: only the twin sends it"),
     ("sdo_in_wrong_state", {}, "SDO 0x1000:00 Device Type: only the device sends it"),
     ("pdo_frozen", {}, "TPDO1 0x2023:00 State of output: another value"),
     ("pdo_missing", {}, "TPDO1: only the twin sends it"),

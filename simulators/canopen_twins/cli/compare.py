@@ -34,6 +34,8 @@ def add_tolerances(parser: Parser) -> None:
     parser.add_argument("--time", metavar="TIME", help="a time may be off by (default: 5ms)")
     text = "a measured value may be off by: 1%%, or 3 for digits (default: not at all)"
     parser.add_argument("--value", metavar="SHARE", help=text)
+    text = "a share of its frames the trace may lack (default: none)"
+    parser.add_argument("--lost", metavar="SHARE", help=text)
     text = "YAML: time, value, and objects with tolerances of their own"
     parser.add_argument("--tolerances", type=Path, metavar="FILE", help=text)
 
@@ -76,6 +78,8 @@ def tolerances(options: argparse.Namespace, devices: Iterable[Device]) -> Tolera
         allowed = replace(allowed, time=files.time_of(options.time))
     if options.value is not None:
         allowed = replace(allowed, value=files.allowed_of(options.value))
+    if options.lost is not None:
+        allowed = replace(allowed, lost=files.share_of(options.lost))
     return allowed
 
 

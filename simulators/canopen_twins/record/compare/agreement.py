@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from math import ceil
 from typing import NamedTuple
 
 
@@ -16,6 +17,10 @@ class Kind(StrEnum):
     LACKS = "only the twin sends it"
     MORE = "only the device sends it"
     TIME = "another time"
+
+
+ALONE = (Kind.LACKS, Kind.MORE)
+"""Those of which a line that was lost may be the reason."""
 
 
 class Subject(NamedTuple):
@@ -77,7 +82,7 @@ class Agreement:
     """Filled while a trace is played; `on_new` hears of the first difference of each kind."""
 
     rows: dict[Subject, Row] = field(default_factory=dict)
-    differences: dict[tuple[Subject, Kind, str], Difference] = field(default_factory=dict)
+    differences: dict[tuple[Subject, Kind], Difference] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
     """What was done to follow the trace, in words."""
     unexercised: dict[str, list[str]] = field(default_factory=dict)
@@ -100,11 +105,9 @@ class Agreement:
         self._row(row).differed += 1
         self.tell(about or row, kind, tick, account)
 
-    def tell(
-        self, about: Subject, kind: Kind, tick: int, account: Callable[[], Account], more: str = ""
-    ) -> None:
-        """Explain the first of its kind, count the others; `more` tells kinds from each other."""
-        key = (about, kind, more)
+    def tell(self, about: Subject, kind: Kind, tick: int, account: Callable[[], Account]) -> None:
+        """Explain the first of its kind, count the others."""
+        key = (about, kind)
         if (known := self.differences.get(key)) is not None:
             known.count += 1
             return
@@ -126,6 +129,17 @@ class Agreement:
     def share(self) -> float:
         """From 0 to 1; 1 if nothing was compared."""
         return self.agreed / self.total if self.total else 1.0
+
+    def forgive(self, share: float) -> None:
+        """Leave out what only one side has sent, if that is no more than a share of everything."""
+        alone = [each for each in self.differences.values() if each.kind in ALONE]
+        count = sum(each.count for each in alone)
+        if not count or count > ceil(share * self.total):
+            return
+        for each in alone:
+            del self.differences[each.subject, each.kind]
+            self._row(each.subject).differed -= each.count
+        self.remarks.append(f"{count} frames that only one side has are taken for lost lines")
 
     def services(self, node: str) -> set[str]:
         """What was compared of a node at all."""

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import partial
 
 from canopen_twins.bus import identifiers, sdo
 from canopen_twins.bus.clock import MICROSECONDS, microseconds
 from canopen_twins.bus.frame import Frame
-from canopen_twins.bus.sdo import Address
+from canopen_twins.bus.sdo import Address, Ccs, Scs
 from canopen_twins.bus.segment import Record
 from canopen_twins.device.device import Device
 from canopen_twins.device.node import Node
@@ -77,13 +77,16 @@ class Beside:
         self._judge = Judge(node, agreement, tolerances, records, expected)
         segment = timeline.segment
         patience = max(microseconds(longest_answer(expected)), tolerances.time)
-        self.dialogue = Dialogue(self._judge_transfer, self._judge.unasked, segment.send, patience)
+        self.dialogue = Dialogue(
+            self._judge_transfer, self._unasked, segment.send, self._judge.look, patience
+        )
         self._agreement = agreement
         self._tolerances = tolerances
         self._timeline = timeline
         self._segment = segment
         self._streams: dict[str, Stream] = {}
         self._written: set[Address] = set()
+        self._unknown: set[Address] = set()  # written with what the trace lacks
         self._pdos: set[int] = set()  # identifiers of the master that may be those of PDOs
         self._knows_state = False
         self._beat: int | None = None  # the last heartbeat of the device, in the middle
@@ -91,6 +94,7 @@ class Beside:
         self._guarded = [-GUARDED, -GUARDED]  # when last, until answered: by twin and device
         self._reset: tuple[int, int] | None = None  # the last: in the trace, and for the twin
         self._booted: tuple[int, int] | None = None  # the twin, before the device
+        self._looks: deque[tuple[int, int, list[bytes]]] = deque()  # at TPDOs, a little later
         self._deaf = False  # what the twin sends now is of no interest
         self.exercised = Exercised()
         self.derive()
@@ -141,6 +145,19 @@ class Beside:
             if command in RESETS:
                 self._reset = tick, self._clock
             self._knows_state = True
+
+    def follow(self, now: int) -> None:
+        """What has to be done between two frames of the trace."""
+        self.dialogue.hurry(now)
+        while self._looks and now - self._looks[0][0] >= self._tolerances.time:
+            _, number, also = self._looks.popleft()
+            if self.node.slave is not None:
+                also.append(self._judge.sent_now(number))
+
+    def leap(self) -> None:
+        """The trace goes on at another time."""
+        for stream in self._streams.values():
+            stream.forget()
 
     def settle(self, now: float) -> None:
         """Judge what is so old that nothing more will come of it."""
@@ -209,7 +226,7 @@ class Beside:
             self._guarded[of_device] = -GUARDED
         service = GUARDING if guarding else HEARTBEAT
         stream = self._stream(service, partial(self._judge.state, service), self._judge.same_state)
-        self._put(stream, tick, frame, of_device, self._state_byte(frame) if of_device else None)
+        self._put(stream, tick, frame, of_device, self._state_byte(frame) if of_device else ())
 
     def _may_guard(self, frame: Frame) -> bool:
         """Whether it can be the answer to a request: a heartbeat has no toggle bit."""
@@ -224,7 +241,11 @@ class Beside:
             return
         same = partial(self._judge.same_pdo, number)
         stream = self._stream(f"TPDO{number}", partial(self._judge.pdo, number), same)
-        also = self._judge.sent_now(number) if of_device else None
+        also: list[bytes] = []
+        if of_device and self.node.slave is not None:
+            also.append(self._judge.sent_now(number))
+            if also[0] != frame.data:
+                self._looks.append((tick, number, also))
         self._put(stream, tick, frame, of_device, also)
 
     def _plain(self, service: str, tick: int, frame: Frame, of_device: bool) -> None:
@@ -232,7 +253,7 @@ class Beside:
         self._put(stream, tick, frame, of_device)
 
     def _put(
-        self, stream: Stream, tick: int, frame: Frame, of_device: bool, also: bytes | None = None
+        self, stream: Stream, tick: int, frame: Frame, of_device: bool, also: Sequence[bytes] = ()
     ) -> None:
         if of_device:
             stream.add_device(Seen(tick, frame, also))
@@ -251,10 +272,10 @@ class Beside:
             stream.free = self.in_the_middle
         return stream
 
-    def _state_byte(self, frame: Frame) -> bytes | None:
+    def _state_byte(self, frame: Frame) -> Sequence[bytes]:
         """As the twin would tell its state at this moment, with the toggle bit of the device."""
         byte = STATE_BYTE.get(self.node.state)
-        return None if byte is None or not frame.data else bytes([byte | frame.data[0] & 0x80])
+        return () if byte is None or not frame.data else (bytes([byte | frame.data[0] & TOGGLE]),)
 
     # Booting
 
@@ -384,9 +405,25 @@ class Beside:
             self.exercised.objects.add(transfer.address)
         if transfer.access == sdo.WRITE and transfer.address is not None:
             self._written.add(transfer.address)
-        elif self.in_the_middle:
+        elif self.in_the_middle or transfer.address in self._unknown:
             self._take_over(transfer)
         self._judge.transfer(transfer)
+
+    def _unasked(self, tick: int, data: bytes) -> None:
+        """An answer whose request the trace lacks; of a read it is known what that was."""
+        self._judge.unasked(tick, data)
+        if len(data) != sdo.LENGTH:
+            return
+        if sdo.specifier(data) == Scs.UPLOAD:
+            request = Frame(
+                identifiers.sdo_request(self.node.node_id),
+                sdo.message(Ccs.UPLOAD, sdo.multiplexer(sdo.address(data))),
+            )
+            self.dialogue.ask(tick, request)
+            self.dialogue.add_device(tick, data)
+        elif sdo.specifier(data) == Scs.DOWNLOAD:
+            self._written.discard(sdo.address(data))
+            self._unknown.add(sdo.address(data))
 
     def _take_over(self, transfer: Transfer) -> None:
         """In the middle of something: what the device has in an object is what was written."""
@@ -395,6 +432,7 @@ class Beside:
             return
         if entry.address in self._written or told.code is not None or self._by_pdo(entry):
             return
+        self._unknown.discard(entry.address)
         self._written.add(entry.address)
         if entry.read() == told.value:
             return

@@ -40,13 +40,14 @@ class Comparison:
         self.segment: Segment[Node] = Segment()
         self.agreement = Agreement()
         self.timeline = Timeline(self.segment)
+        self._tolerances = tolerances or Tolerances()
         self._records: deque[Record] = deque(maxlen=RECENT)
         self._besides = {
             name: Beside(
                 connect(self.segment, device, name),
                 self.timeline,
                 self.agreement,
-                tolerances or Tolerances(),
+                self._tolerances,
                 self._records,
             )
             for name, device in devices.items()
@@ -64,11 +65,18 @@ class Comparison:
 
     def hear(self, tick: int, frame: Frame) -> None:
         """A frame of the trace, at its microsecond."""
+        for beside in self._besides.values():
+            if beside.dialogue.due < self.timeline.relative(tick):
+                self._hurry(tick, beside)
+        leaps = len(self.timeline.left_out)
         now = self.timeline.advance(tick)
+        if len(self.timeline.left_out) != leaps:
+            for beside in self._besides.values():
+                beside.leap()
         if now - self._settled >= SETTLED:
             self.settle(now)
         for beside in self._besides.values():
-            beside.dialogue.hurry(now)
+            beside.follow(now)
             if beside.node.wire.heard is not beside.heard:
                 self._derive()
         if not (frame.remote or frame.extended):
@@ -80,6 +88,11 @@ class Comparison:
         taken = [beside.on_master(now, frame) for beside in self._besides.values()]
         if not any(taken):
             self.segment.send(frame)
+
+    def _hurry(self, tick: int, beside: Beside) -> None:
+        """The device is silent: at the end of its time the twin is asked all the same."""
+        early = self.timeline.relative(tick) - int(beside.dialogue.due)
+        beside.follow(self.timeline.advance(tick - early))
 
     def settle(self, now: int) -> None:
         """Judge what is over."""
@@ -102,6 +115,7 @@ class Comparison:
             services = self.agreement.services(name)
             lines = unexercised(beside.node, beside.exercised, services)
             self.agreement.unexercised[name] = list(lines)
+        self.agreement.forgive(self._tolerances.lost)
         self.agreement.remarks += self.timeline.left_out
         return self.agreement
 

@@ -3,6 +3,7 @@
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from math import inf
 from typing import NamedTuple
 
 from canopen_twins.bus import sdo
@@ -11,6 +12,7 @@ from canopen_twins.bus.sdo import Address, Scs
 
 MOST_OPEN = 4  # transfers that wait for a late answer
 PATIENCE = 5_000_000  # microseconds for one
+BLOCKS = frozenset(bytes([command]) for command in sdo.BLOCK_INITIATES)
 NAMING = (Scs.UPLOAD, Scs.DOWNLOAD, Scs.ABORT)
 """Answers that name their object; so do those that begin a block transfer."""
 
@@ -36,10 +38,18 @@ class Transfer:
     access: str
     device: list[Answer] = field(default_factory=list)
     twin: list[Answer] = field(default_factory=list)
+    requests: int = 0
+    before: bytes | None = None
+    """What the twin would have answered at once, if that is something measured."""
     asked: int = 0
     """When the client has asked last."""
     until: int | None = None
     """When the next one began."""
+
+    @property
+    def in_blocks(self) -> bool:
+        """Whether it has been asked for in blocks, whose segments have no answers of their own."""
+        return self.request.data[:1] in BLOCKS
 
     @property
     def is_over(self) -> bool:
@@ -102,9 +112,14 @@ class Dialogue:
         judge: Callable[[Transfer], None],
         unasked: Callable[[int, bytes], None],
         send: Callable[[Frame], None],
+        look: Callable[[Address], bytes | None],
         patience: int,
     ) -> None:
-        """`patience` is in microseconds: the twin is asked then, though the device is silent."""
+        """`look` is at something measured. `patience` is in microseconds.
+
+        After that time the twin is asked, though the device is silent.
+        """
+        self._look = look
         self._judge = judge
         self._unasked = unasked
         self._send = send
@@ -125,6 +140,7 @@ class Dialogue:
         if not whole or opens or not self._open or self._open[-1].is_over:
             self._begin(tick, frame, whole and opens)
         self._open[-1].asked = tick
+        self._open[-1].requests += 1
         self._waiting = frame
         if sdo.is_abort(data):
             self._put()
@@ -133,7 +149,10 @@ class Dialogue:
         if self._open:
             self._open[-1].until = tick
         address = self._conversation.address if names else None
-        self._open.append(Transfer(tick, frame, address, self._conversation.access))
+        transfer = Transfer(tick, frame, address, self._conversation.access)
+        if address is not None and transfer.access == sdo.READ:
+            transfer.before = self._look(address)
+        self._open.append(transfer)
         self.settle(tick)
 
     def _put(self) -> None:
@@ -143,19 +162,34 @@ class Dialogue:
             self._twins = self._open[-1]
             self._send(frame)
 
+    @property
+    def due(self) -> float:
+        """When the twin is asked, though the device is silent; infinite if nothing waits."""
+        return inf if self._waiting is None else self._open[-1].asked + self._patience
+
     def hurry(self, tick: int) -> None:
-        """The device is silent: let the twin have the request before anything else happens."""
-        if self._waiting is not None and tick - self._open[-1].asked > self._patience:
+        """Let the twin have the request if the device takes too long."""
+        if tick >= self.due:
             self._put()
 
     def add_device(self, tick: int, data: bytes) -> None:
         """The device has answered."""
         self._put()
-        if (transfer := self._about(data, of_device=True)) is None:
-            self._unasked(tick, data)
+        transfer = self._about(data, of_device=True)
+        if transfer is None or self._names_another(transfer, tick, data):
+            if self._twins is not None:  # its request is not older than the trace
+                self._unasked(tick, data)
             return
         self._conversation.answer(data)
         transfer.device.append(Answer(tick, data, tick - transfer.asked))
+
+    def _names_another(self, transfer: Transfer, tick: int, data: bytes) -> bool:
+        """Whether it is the answer to a request that the trace lacks, and too late for this one."""
+        if len(data) != sdo.LENGTH or sdo.specifier(data) not in NAMING or not any(data[1:4]):
+            return False
+        late = tick - transfer.asked > self._patience
+        another = transfer.address is not None and sdo.address(data) != transfer.address
+        return late and (another or transfer.is_over)
 
     def add_twin(self, tick: int, data: bytes) -> None:
         """The twin has answered."""

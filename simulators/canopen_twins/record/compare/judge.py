@@ -28,6 +28,7 @@ from canopen_twins.slave.pdo import carried, packed
 from canopen_twins.slave.tpdo import Tpdo
 
 SDO, ANSWER_TIME = "SDO", "SDO answer time"
+STATES_OF = ("heartbeat", "node guarding")
 STORING = (0x1010, 0x1011)
 RECENT = 40  # frames that `why` looks at
 SHOWN = 3  # answers of a transfer that are shown
@@ -106,6 +107,8 @@ class Judge:
             return Kind.LACKS, "the device has not answered, the twin has"
         if not transfer.twin:
             return Kind.MORE, "the device has answered, the twin has not"
+        if len(transfer.device) != transfer.requests and not transfer.in_blocks:
+            return Kind.LACKS, "not every segment is in the trace"
         device, twin = outcome(transfer.device), outcome(transfer.twin)
         if device.code != twin.code:
             return _other_code(device.code, twin.code)
@@ -116,25 +119,40 @@ class Judge:
     ) -> tuple[Kind, str] | None:
         if device.form != twin.form:
             return Kind.FORM, f"{device.form}, not {twin.form}"
-        if not self._same_value(transfer.address, device, twin):
+        if not self._same_value(transfer, device, twin):
             return Kind.VALUE, f"{self._value(transfer, device)}, not {self._value(transfer, twin)}"
         if _heads(transfer.device) != _heads(transfer.twin):
             return Kind.FORM, "an answer that begins otherwise"
         return None
 
-    def _same_value(self, address: Address | None, device: Outcome, twin: Outcome) -> bool:
+    def _same_value(self, transfer: Transfer, device: Outcome, twin: Outcome) -> bool:
         if device.value == twin.value:
             return True
-        entry = self.entry(address)
+        entry = self.entry(transfer.address)
         if entry is None or device.value is None or twin.value is None:
             return False
         if entry.size is not None and {len(device.value), len(twin.value)} != {entry.size}:
             return device.value[: entry.size] == twin.value[: entry.size]
-        return self._same(entry, device.value, twin.value)
+        others = [twin.value]
+        if transfer.before is not None:  # from the request on, until now
+            others += [transfer.before, self.look(entry.address) or transfer.before]
+        return self._same(entry, device.value, others)
 
-    def _same(self, entry: Entry, one: bytes, other: bytes) -> bool:
+    def _same(self, entry: Entry, one: bytes, others: Sequence[bytes]) -> bool:
+        """Whether a value is one of the twin's, or between them if it is measured."""
+        value, twins = entry.unpack(one), [entry.unpack(other) for other in others]
         noise = self._expected.noise if entry.address in self._measured else None
-        return self.tolerances.same(entry.address, noise, entry.unpack(one), entry.unpack(other))
+        if noise is not None and all(isinstance(each, int | float) for each in twins):
+            twins.append(min(max(value, min(twins)), max(twins)))
+        same = self.tolerances.same
+        return any(same(entry.address, noise, value, each) for each in twins)
+
+    def look(self, address: Address) -> bytes | None:
+        """What the twin would answer now, if that is something measured."""
+        if address not in self._measured or (entry := self.entry(address)) is None:
+            return None
+        self.node.look()
+        return entry.read()
 
     def _value(self, transfer: Transfer, told: Outcome) -> str:
         value = told.value or b""
@@ -198,7 +216,7 @@ class Judge:
         """Whether both tell one state, or the state of the twin changed in between."""
         one, other = device.frame.data, twin.frame.data
         same_toggle = len(one) == len(other) == 1 and one[0] & TOGGLE == other[0] & TOGGLE
-        return same_toggle and device.also == one
+        return same_toggle and one in device.also
 
     def _other_state(self, device: Seen, twin: Seen) -> str:
         told = [
@@ -233,15 +251,16 @@ class Judge:
         device, twin = pair.device, pair.twin
         assert device is not None
         assert twin is not None
-        if device.frame != twin.frame and not self._agrees(subject, device, twin):
+        if device.frame != twin.frame and not self._same_message(subject, device, twin):
             self._differ(subject, Kind.VALUE, pair, unlike(device, twin))
         elif abs(pair.late) > self.tolerances.time:
             self._differ(subject, Kind.TIME, pair, _late(pair))
         else:
             self.agreement.agree(subject)
 
-    def _agrees(self, subject: Subject, device: Seen, twin: Seen) -> bool:
-        return device.also is not None and device.also == device.frame.data
+    def _same_message(self, subject: Subject, device: Seen, twin: Seen) -> bool:
+        """Whether a state is one that the twin had when the device told it."""
+        return subject.service in STATES_OF and self.same_state(device, twin)
 
     def _lacks(self, subject: Subject, pair: Pair) -> bool:
         """Whether one of them is lacking, which is told then."""
@@ -282,7 +301,7 @@ class Judge:
             else:
                 self.agreement.agree(subject)
             return
-        others = list(self._other_parts(number, device.frame.data, twin.frame.data))
+        others = list(self._other_parts(number, device, twin))
         if len(device.frame.data) != len(twin.frame.data) or not others:
             text = f"{len(device.frame.data)} bytes, not {len(twin.frame.data)}"
             self._differ(subject, Kind.FORM, pair, text)
@@ -302,31 +321,30 @@ class Judge:
         return row._replace(object=self._named(entry.address))
 
     def same_pdo(self, number: int, device: Seen, twin: Seen) -> bool:
-        """Whether two have the same values, or the twin would have sent these a moment before."""
+        """Whether two have the same values, or the twin has had these within the tolerance."""
         if len(device.frame.data) != len(twin.frame.data):
             return False
-        candidates = [twin.frame.data] + ([device.also] if device.also is not None else [])
-        return any(
-            not next(self._other_parts(number, device.frame.data, data), None)
-            for data in candidates
-        )
+        return next(self._other_parts(number, device, twin), None) is None
 
-    def _other_parts(self, number: int, one: bytes, other: bytes) -> Iterator[tuple[Entry, str]]:
+    def _other_parts(self, number: int, device: Seen, twin: Seen) -> Iterator[tuple[Entry, str]]:
         """The values that are not the same, each with both in words."""
-        slave = self.node.slave
+        slave, data = self.node.slave, device.frame.data
         parts = [] if slave is None else carried(slave, Tpdo.mapping + number - 1)
+        others = [twin.frame.data, *(each for each in device.also if len(each) == len(data))]
         for part in parts:
             entry = part.entry
-            if entry is None or part.end > 8 * min(len(one), len(other)):
+            if entry is None or part.end > 8 * min(map(len, (data, *others))):
                 continue
-            a, b = part.value(one), part.value(other)
-            if a != b and not self._same(entry, a, b):
-                yield entry, f"{entry.unpack(a)}, not {entry.unpack(b)}"
+            told, values = part.value(data), [part.value(each) for each in others]
+            if told not in values and not self._same(entry, told, values):
+                yield entry, f"{entry.unpack(told)}, not {entry.unpack(values[0])}"
 
-    def sent_now(self, number: int) -> bytes | None:
-        """What the twin would send in a TPDO at this moment."""
+    def sent_now(self, number: int) -> bytes:
+        """What the twin would send in a TPDO at this moment; it is on the bus."""
         slave = self.node.slave
-        return None if slave is None else packed(carried(slave, Tpdo.mapping + number - 1))
+        assert slave is not None
+        self.node.look()
+        return packed(carried(slave, Tpdo.mapping + number - 1))
 
     # Words
 

@@ -6,7 +6,7 @@ nothing better can come any more.
 """
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import islice
 from math import inf
 from typing import NamedTuple
@@ -23,8 +23,8 @@ class Seen(NamedTuple):
     tick: int
     """Microseconds of the trace."""
     frame: Frame
-    also: bytes | None = None
-    """Of the device: what the twin would have sent at this very moment, if that is another."""
+    also: Sequence[bytes] = ()
+    """Of the device: what the twin would have sent at this very moment, and a little later."""
 
 
 class Pair(NamedTuple):
@@ -91,6 +91,13 @@ class Stream:
                 self._pair(self._device.popleft(), self._twin.popleft())
             else:
                 self._alone(of_device=device < twin + self._offset)
+
+    def forget(self) -> None:
+        """Begin anew: what waits has no counterpart that comes at a time of its own."""
+        self._device.clear()
+        self._twin.clear()
+        self._last = None
+        self.free = True
 
     def end(self, now: int) -> None:
         """Decide all; the counterpart of what came last may only have been due after the end."""

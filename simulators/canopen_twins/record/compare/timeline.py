@@ -30,6 +30,10 @@ class Timeline:
         """What time of the trace it is for the twins; they wait for nothing in its future."""
         return min(self.segment.clock.ticks - self._lag, self._next)
 
+    def relative(self, tick: int) -> int:
+        """A time of the trace from its first frame on."""
+        return 0 if self._origin is None else tick - self._origin
+
     def advance(self, tick: int) -> int:
         """Let time pass for the twins up to a frame of the trace; its time from the first on."""
         if self._origin is None:

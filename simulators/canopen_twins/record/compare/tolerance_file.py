@@ -48,6 +48,18 @@ def allowed_of(text: str) -> Allowed:
     return Allowed(share=number / 100) if found[2] else Allowed(digits=number)
 
 
+def share_of(text: str) -> float:
+    """From 0 to 1, of 2%.
+
+    Raises:
+        UserError: it is no share.
+    """
+    found = QUANTITY.fullmatch(text)
+    if found is None or found[2] != "%" or float(found[1]) > 100:
+        raise UserError(f"{text!r} is no share: write it as 2%")
+    return float(found[1]) / 100
+
+
 def _object(item: Item) -> Allowed | None:
     with item.blamed():
         return None if item.text == IGNORE else allowed_of(item.text)

@@ -34,6 +34,8 @@ class Tolerances:
     """Of measured values."""
     objects: Mapping[Address, Allowed | None] = field(default_factory=dict)
     """Of single objects; none for one that is not compared."""
+    lost: float = 0.0
+    """The share of its frames that a trace may lack."""
 
     def same(self, address: Address, noise: float | None, one: object, other: object) -> bool:
         """Whether two values of an object are as good as the same.

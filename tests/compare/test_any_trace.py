@@ -1,0 +1,174 @@
+"""Jitter, lost lines, traffic of others, a start in the middle: no difference that is none."""
+
+from functools import cache, partial
+from random import Random
+
+import pytest
+from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
+
+from canopen_twins import Bench, devices
+from canopen_twins.bus.clock import microseconds
+from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.segment import Record
+from canopen_twins.record.compare import Allowed, Comparison, Tolerances
+
+from .conftest import compared, told, traced
+from .masters import Master, supply
+
+FEW = settings(max_examples=4, phases=[Phase.generate])  # a trace of a seed does not shrink
+OTHERS = ["701#05", "186#1122334455667788", "306#01", "606#4000100000000000", "586#43", "18FF#01"]
+OTHERS[-1] = "18FF0102#0102"
+
+
+@cache
+def original():
+    return tuple(traced(supply))
+
+
+def jitter(records, chance, seconds=0.002):
+    """Frames of the device come later, as a device and a sniffer have it, and none overtakes."""
+    late, last = [], 0.0
+    for record in records:
+        time = record.time + (chance.uniform(0, seconds) if record.sender else 0.0)
+        last = max(last, time)
+        late.append(record._replace(time=last))
+    return late
+
+
+def with_others(records, chance):
+    """Frames of other nodes in between."""
+    for record in records:
+        if chance.random() < 0.3:
+            yield Record(record.time, Frame.parse(chance.choice(OTHERS)), "")
+        yield record
+
+
+def losing(records, chance, share=0.05):
+    """Lines that the sniffer has not written: answers, TPDOs, heartbeats, and questions."""
+    for record in records:
+        text = str(record.frame)
+        lost = record.sender or text.startswith("605#40")
+        if not (lost and chance.random() < share and text != "705#00"):
+            yield record
+
+
+@FEW
+@given(st.integers(0, 1000))
+def test_jitter_and_others_are_no_difference(seed):
+    chance = Random(seed)
+    agreement = compared(list(with_others(jitter(original(), chance), chance)))
+    assert (told(agreement), agreement.share) == ([], 1.0)
+
+
+SHIFTED = Allowed(digits=20)  # what was set without an answer acts some milliseconds later
+
+
+@cache
+def leisurely():
+    return tuple(traced(partial(supply, pause=0.012)))
+
+
+@FEW
+@given(st.integers(0, 1000))
+def test_of_lost_lines_nothing_but_themselves_is_told(seed):
+    chance = Random(seed)
+    records = list(losing(jitter(leisurely(), chance), chance))
+    lost = len(leisurely()) - len(records)
+    agreement = compared(records, tolerances=Tolerances(value=SHIFTED))
+    alone = sum(each.count for each in agreement.differences.values())
+    assert {each.kind.name for each in agreement.differences.values()} <= {"LACKS", "MORE"}
+    assert alone <= 2 * lost
+    forgiving = compared(records, tolerances=Tolerances(value=SHIFTED, lost=0.2))
+    assert (told(forgiving), forgiving.share) == ([], 1.0)
+
+
+def going(bench):
+    """A supply that was set up long ago: it is asked and synchronised, again and again."""
+    master = Master(bench)
+    master.wait_for_boot_up() if not bench.trace else None
+    master.write(0x1017, 0, 50)
+    master.write(0x2031, 0, 3000)
+    master.nmt(0x01)
+    bench.trace.clear()
+    for _ in range(6):
+        master.read((0x1017, 0), (0x2031, 0), (0x2020, 0), (0x1008, 0))
+        master.send(0x180, "R")
+        master.run(0.03)
+
+
+@FEW
+@given(st.integers(0, 60), st.integers(0, 1000))
+def test_a_trace_may_begin_anywhere(first, seed):
+    records = jitter(traced_going(), Random(seed))[first:]
+    agreement = compared(records)
+    assert (told(agreement), agreement.share) == ([], 1.0)
+    assert "begins in the middle" in agreement.remarks[0]
+
+
+@cache
+def traced_going():
+    return tuple(traced(going))
+
+
+def test_what_only_the_device_may_change_is_found_in_the_middle_too():
+    agreement = compared(traced(going, serial=7, firmware="V4.11.20", unit="TCP-16-100"))
+    assert told(agreement) == []  # none of it is asked for
+    asked = traced(lambda bench: (going(bench), Master(bench).read((0x1018, 4))), serial=7)
+    assert told(compared(asked)) == ["SDO 0x1018:04 Identity Object.Serial number: another value"]
+
+
+def test_a_recording_may_pause_and_its_clock_may_be_set():
+    records = list(traced_going())
+    half = len(records) // 2
+    for leap in (7200.0, -30.0):
+        leaping = [each._replace(time=each.time + 40 + leap) for each in records[half:]]
+        first = [each._replace(time=each.time + 40) for each in records[:half]]
+        agreement = compared([*first, *leaping])
+        assert agreement.share == 1.0
+        assert "left out" in agreement.remarks[1] or "goes back" in agreement.remarks[1]
+
+
+def test_two_nodes_of_one_bus_are_compared_at_once():
+    bench = Bench.of({"left": ("topcon", 5), "right": ("charger", 6)})
+    for base, node in (("605", 5), ("606", 6)):
+        bench.send(f"{base}#2B17100064000000")
+        bench.send(f"000#01{node:02X}")
+    bench.run(1.2)
+    bench.send("605#4000200000000000")
+    bench.send("606#4018100200000000")
+    nodes = {
+        "left": devices.create("topcon", node_id=5, unit="TCP-16-100"),
+        "right": devices.create("charger", node_id=6, product_code=2),
+    }
+    comparison = Comparison(nodes)
+    for record in bench.trace:
+        comparison.hear(microseconds(record.time), record.frame)
+    found = comparison.end().differences.values()
+    assert [(each.subject.node, each.subject.object) for each in found] == [
+        ("left", "0x2000:00 Nominal voltage"),
+        ("right", "0x1018:02 Identity Object.Product Code"),
+    ]
+
+
+@pytest.mark.parametrize("device", ["charger", "gateway"])
+def test_other_devices_agree_with_themselves(device):
+    def ask(bench):
+        master = Master(bench)
+        if not bench.trace:
+            master.wait_for_boot_up()
+        master.read(*((index, 0) for index in bench.master_objects))
+        master.nmt(0x01)
+        master.run(2.0)
+        master.send(0x80, "")
+        master.nmt(0x82)
+        master.wait_for_boot_up()
+        master.run(0.5)
+        master.read((0x1000, 0), (0x1018, 1))
+
+    def asking(bench):
+        bench.master_objects = [i for i in bench.remote.object_dictionary.indices if i >= 0x1000]
+        ask(bench)
+
+    agreement = compared(traced(asking, device), device)
+    assert (told(agreement), agreement.share) == ([], 1.0)
