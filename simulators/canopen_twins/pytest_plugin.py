@@ -15,6 +15,7 @@ from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Se
 from contextlib import ExitStack, suppress
 from importlib import import_module
 from importlib.metadata import entry_points
+from itertools import count
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -26,17 +27,23 @@ from canopen_twins.errors import UserError
 
 if TYPE_CHECKING:
     from canopen_twins import Bench, Device, Scenario, Verdict
+    from canopen_twins.bus.hub.protocol import HubAddress
     from canopen_twins.devices import What
     from canopen_twins.hunt.report import Report
+    from canopen_twins.live.master_process import BusPlace
     from canopen_twins.live.twin import LiveTwin
+    from canopen_twins.live.twin_process import TwinProcess
     from canopen_twins.scenario.play import ScenarioBench
 
 __all__ = [
     "canopen_bench",
     "canopen_device",
+    "canopen_hub",
     "canopen_hunt",
+    "canopen_process",
     "canopen_scenario",
     "canopen_simulated_time",
+    "hub_of_session",
 ]
 
 AnyBench = TypeVar("AnyBench", bound="Bench")
@@ -50,6 +57,7 @@ MODULES = {
     "canopen_bench": ("canopen_twins.diagnosis.report",),
     "canopen_device": ("canopen_twins.live.twin",),
     "canopen_hunt": ("canopen_twins.hunt.search",),
+    "canopen_process": ("canopen_twins.live.twin_process",),
     "canopen_scenario": ("canopen_twins.scenario.play", "canopen_twins.scenario.compile"),
     "canopen_simulated_time": ("canopen_twins.bench.simulated_time",),
 }
@@ -70,7 +78,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     """The bus of `canopen_device`, and the finds of `canopen_hunt`."""
     group = parser.getgroup("canopen", "CANopen twins")
     for name, text in (
-        (INTERFACE, "python-can interface of `canopen_device` (default: virtual)"),
+        (
+            INTERFACE,
+            "python-can interface of `canopen_device` (default: virtual) and of `canopen_process`"
+            " (default: a hub)",
+        ),
         (CHANNEL, "its channel (default: one of its own for each test)"),
         (FINDS, "where `canopen_hunt` keeps finds, and takes those of before (default: nowhere)"),
     ):
@@ -298,6 +310,63 @@ def canopen_device(request: pytest.FixtureRequest) -> Iterator[Callable[..., Liv
             twin = LiveTwin(file_beside(request.path, device), settings, bus)
             shown.append(twin.scene)
             return running.enter_context(twin)
+
+        yield start
+
+
+@pytest.fixture(scope="session", name="_canopen_hub")
+def hub_of_session() -> Iterator[tuple[HubAddress, Iterator[int]]]:
+    """A hub of this process of pytest on a free port, and numbers for the buses of its tests."""
+    from canopen_twins.live.hub_process import hub_process  # noqa: PLC0415
+
+    with hub_process() as address:
+        yield address, count(1)
+
+
+@pytest.fixture
+def canopen_hub(_canopen_hub: tuple[HubAddress, Iterator[int]]) -> BusPlace:
+    """A bus of its own on a hub, for masters and twins in any process: see `canopen_process`.
+
+    `can.Bus(**canopen_hub.options)` is on it; a process finds it with `canopen_hub.environment`, or
+    with what `canopen_hub.hub` (HOST:PORT) and `canopen_hub.channel` say. The hub is there for all
+    tests of a process of pytest, so that each worker of pytest-xdist has one.
+    """
+    from canopen_twins.live.master_process import BusPlace  # noqa: PLC0415
+
+    address, numbers = _canopen_hub
+    return BusPlace.on_hub(address, f"test{next(numbers)}")
+
+
+@pytest.fixture
+def canopen_process(request: pytest.FixtureRequest) -> Iterator[Callable[..., TwinProcess]]:
+    """Twins in a process of their own: `canopen_process("topcon", node_id=5)` has booted.
+
+    What stands for the name, and the settings, are as with `canopen_device`; `scenario="trip.yaml"`
+    is played meanwhile, with or without a name. It gives `bus`, what to open to be on the same bus;
+    `wait()`, the exit code when the scenario is over; `end()`, `output` and `errors`. The bus is
+    that of `canopen_hub`, unless `--canopen-interface` or its ini key says otherwise. The process
+    ends with the test, however that ends.
+    """
+    from canopen_twins.live.master_process import BusPlace  # noqa: PLC0415
+    from canopen_twins.live.twin_process import TwinProcess  # noqa: PLC0415
+
+    interface = _option(request.config, INTERFACE)
+    if interface:
+        place = BusPlace(interface, _option(request.config, CHANNEL))
+    else:
+        place = request.getfixturevalue("canopen_hub")
+    shown = request.node.stash.setdefault(SHOWN, [])
+    with ExitStack() as running:
+
+        def start(device: str = "", *, scenario: str = "", **settings: object) -> TwinProcess:
+            arguments = [str(file_beside(request.path, device))] if device else []
+            if scenario:
+                arguments += ["--scenario", str(file_beside(request.path, scenario))]
+            for name, value in settings.items():
+                arguments += ["--set", f"{name}={value}"]
+            twin = running.enter_context(TwinProcess(arguments, place))
+            shown.append(twin.scene)
+            return twin
 
         yield start
 

@@ -1,5 +1,7 @@
 import subprocess
 import sys
+import time
+from pathlib import Path
 
 REAL_TIME = """
     from threading import Event
@@ -42,7 +44,14 @@ def test_every_device_has_a_fixture_and_every_test_a_fresh_one(run):
 def test_the_fixtures_are_listed_with_what_they_are(run):
     result = run("", "--fixtures")
     result.stdout.fnmatch_lines_random(
-        ["canopen_bench*", "canopen_device*", "canopen_simulated_time*", "topcon*"]
+        [
+            "canopen_bench*",
+            "canopen_device*",
+            "canopen_hub*",
+            "canopen_process*",
+            "canopen_simulated_time*",
+            "topcon*",
+        ]
     )
 
 
@@ -199,3 +208,59 @@ def test_a_master_that_opens_a_real_bus_beside_a_bench_is_told_of_simulated_time
     """)
     result.assert_outcomes(failed=1)
     result.stdout.fnmatch_lines(["*canopen_simulated_time(bench, 'my_master')*"])
+
+
+IN_A_PROCESS = """
+    import can
+    import pytest
+
+    def ask(bus, node_id):
+        read = bytes.fromhex("4000100000000000")
+        bus.send(can.Message(arbitration_id=0x600 + node_id, is_extended_id=False, data=read))
+        return bus.recv(5).arbitration_id - 0x580
+
+    def test_twins_share_the_bus_of_a_test(canopen_process, canopen_hub):
+        left, right = canopen_process("topcon", node_id=5), canopen_process("charger", node_id=6)
+        with can.Bus(**canopen_hub.options) as bus:
+            assert [ask(bus, 5), ask(bus, 6)] == [5, 6]
+        assert left.bus == right.bus
+        with pytest.raises(ValueError, match="node 5 is on test1 already"):
+            canopen_process("topcon", node_id=5)
+        assert (right.end(), right.errors) == (0, "")
+
+    def test_a_scenario_is_judged_there(canopen_process):
+        twin = canopen_process(scenario="trip.yaml")
+        assert twin.ready["nodes" if "nodes" in twin.ready else "node_id"] == 5
+        assert twin.wait() == 0
+        assert "trip.yaml: PASS (1 PASS)" in twin.output
+
+    def test_that_fails_shows_what_the_twins_said(canopen_process):
+        assert not canopen_process("topcon", load="open").ready
+"""
+
+
+def test_twins_in_a_process_of_their_own_are_on_a_bus_of_the_test(run, story):
+    story("trip.yaml", "- {at: 0, expect: {value: {0x1000: 0}}}")
+    result = run(IN_A_PROCESS)
+    result.assert_outcomes(passed=2, failed=1)
+    result.stdout.fnmatch_lines(["*CANopen: last frames and devices*", '{"ready": "topcon"*'])
+
+
+def test_processes_of_a_run_of_pytest_that_was_killed_do_not_outlive_it(pytester):
+    pytester.makepyfile("""
+        import os, signal
+        from pathlib import Path
+
+        def test_it(canopen_process, canopen_hub):
+            twin = canopen_process("topcon")
+            children = Path(f"/proc/{os.getpid()}/task/{os.getpid()}/children").read_text()
+            Path("children").write_text(children)
+            os.kill(os.getpid(), signal.SIGKILL)
+    """)
+    pytester.runpytest_subprocess("-p", "no:cacheprovider")
+    children = (pytester.path / "children").read_text().split()
+    assert len(children) == 2
+    end = time.monotonic() + 10
+    while any(Path("/proc", child, "exe").exists() for child in children):
+        assert time.monotonic() < end
+        time.sleep(0.01)

@@ -1,6 +1,7 @@
 from .steps import BROKEN, FAILING, PASSING
 
 SUITE = """
+    import can
     import canopen
     import pytest
     from canopen_twins.slave.dictionary import dictionary
@@ -26,6 +27,14 @@ SUITE = """
     def test_story(canopen_scenario, file):
         canopen_scenario(file)
 
+    @pytest.mark.parametrize("run", [1, 2])
+    def test_process(canopen_process, canopen_hub, run):
+        twin = canopen_process("topcon", node_id=5)
+        assert twin.ready["hub"] == str(canopen_hub.hub)
+        with can.Bus(**twin.bus) as bus:
+            bus.send(can.Message(arbitration_id=0x605, is_extended_id=False, data=[0x40] + 7 * [0]))
+            assert bus.recv(5).arbitration_id == 0x585
+
     def test_each(topcon, gateway):
         assert topcon.sent != gateway.sent
 """
@@ -40,5 +49,5 @@ def test_every_fixture_and_every_story_can_be_spread_over_processes(pytester, st
     story("bad.twin.yaml", FAILING)
     story("broken.twin.yaml", BROKEN)
     result = pytester.runpytest_subprocess("-n2", "-p", "no:cacheprovider")
-    result.assert_outcomes(passed=13, failed=2, errors=1)
+    result.assert_outcomes(passed=15, failed=2, errors=1)
     result.stdout.fnmatch_lines(["*bad.twin.yaml: FAIL (1 FAIL)"])

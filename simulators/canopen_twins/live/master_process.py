@@ -52,14 +52,23 @@ class BusPlace:
         return filled
 
     @property
-    def environment(self) -> Mapping[str, str]:
-        """What `can.Bus()` without arguments reads, and CANOPEN_HUB for others."""
-        given = {"CAN_INTERFACE": self.interface, "CAN_CHANNEL": self.channel}
+    def options(self) -> Mapping[str, Any]:
+        """What python-can opens: `can.Bus(**place.options)`."""
+        named = {"interface": self.interface, "channel": self.channel}
         if self.hub is None:
-            return given
-        where: dict[str, object] = {"host": self.hub.host, "port": self.hub.port}
+            return named
+        where: dict[str, Any] = {"host": self.hub.host, "port": self.hub.port}
         if hasattr(socket, "TCP_QUICKACK"):  # else python-can's client waits for 40 ms
             where["tcp_tune"] = True
+        return named | where
+
+    @property
+    def environment(self) -> Mapping[str, str]:
+        """What `can.Bus()` without arguments reads, and CANOPEN_HUB for others."""
+        where = dict(self.options)
+        given = {"CAN_INTERFACE": where.pop("interface"), "CAN_CHANNEL": where.pop("channel")}
+        if self.hub is None:
+            return given
         return {**given, "CAN_CONFIG": json.dumps(where), "CANOPEN_HUB": str(self.hub)}
 
 
