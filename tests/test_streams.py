@@ -1,7 +1,12 @@
+import json
+import signal
 import subprocess
 import sys
+from xml.etree import ElementTree
 
 import pytest
+
+from canopen_twins.cli import main
 
 COMMAND = f"{sys.executable} -m canopen_twins"
 
@@ -26,3 +31,87 @@ def test_a_stream_that_is_closed_is_written_to_by_nobody(closed):
 
 def test_what_is_told_people_does_not_come_among_what_programs_read():
     assert shell(f"{COMMAND} play nothing.yaml 2>&-") == (2, "", "")
+
+
+STORY = """\
+version: 1
+name: Übertemperatur
+node: {device: topcon, node_id: 5}
+steps:
+  - {at: SECONDS, expect: {value: {Nominal voltage: 400}}, note: "größer → kleiner"}
+"""
+
+
+def story(folder, seconds):
+    file = folder / "grün.yaml"
+    file.write_text(STORY.replace("SECONDS", str(seconds)), "utf-8")
+    return file
+
+
+def test_a_verdict_is_written_to_a_stdout_that_is_no_utf_8(tmp_path):
+    report = tmp_path / "report.xml"
+    command = f"PYTHONIOENCODING=ascii {COMMAND}"
+    played = shell(f"{command} play {story(tmp_path, 0.1)} --junit {report}")
+    assert (played[0], played[2]) == (0, "")
+    assert r"gr\xfcn.yaml: PASS" in played[1]
+    assert ElementTree.parse(report).getroot().find(".//testsuite").get("name") == "Übertemperatur"
+
+
+@pytest.mark.parametrize("words", ["--version", "--help", "list", "faults topcon", "run --help"])
+def test_a_reader_that_has_seen_enough_is_no_error(words):
+    process = subprocess.Popen(
+        [*COMMAND.split(), *words.split()], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    process.stdout.close()  # before anything is written
+    assert process.stderr.read() == b""
+    process.stderr.close()
+    assert process.wait() in {0, 141}
+
+
+def test_a_hang_up_ends_a_run_as_a_wish_to_end_does(tmp_path):
+    report = tmp_path / "report.xml"
+    words = ["run", "topcon", "-i", "virtual", "--scenario", story(tmp_path, 1000)]
+    command = [*COMMAND.split(), *words, "--junit", report]
+    ended = {}
+    for number in (signal.SIGHUP, signal.SIGTERM):
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+            assert "ready" in json.loads(process.stdout.readline())
+            process.send_signal(number)
+            out, err = process.communicate(timeout=30)
+        ended[number] = (process.returncode, err, b"ERROR" in out, report.is_file())
+        report.unlink()
+    assert ended[signal.SIGHUP] == ended[signal.SIGTERM]
+
+
+def test_a_hang_up_that_is_ignored_stays_so():
+    command = f"trap '' HUP; exec {COMMAND} run topcon -i virtual"
+    with subprocess.Popen(["sh", "-c", command], stdout=subprocess.PIPE) as process:
+        assert process.stdout.readline()
+        process.send_signal(signal.SIGHUP)
+        process.terminate()
+        assert process.wait(30) == 0
+
+
+CONFIGURED = {
+    "CAN_CONFIG": ("[]", "CAN_CONFIG is a JSON object of options of python-can, not []"),
+    "HOME": ("interface = virtual\n", "File contains no section headers"),
+}
+
+
+@pytest.mark.parametrize("variable", CONFIGURED)
+def test_a_configuration_of_python_can_that_is_none_is_told_in_one_line(
+    tmp_path, monkeypatch, capsys, variable
+):
+    content, told = CONFIGURED[variable]
+    (tmp_path / ".canrc").write_text(content)
+    monkeypatch.setenv(variable, str(tmp_path) if variable == "HOME" else content)
+    assert main(["run", "topcon"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert told in line
+
+
+@pytest.mark.parametrize("limit", ["nan", "inf", "-1", "0", "soon"])
+def test_a_limit_that_is_no_time_is_told_in_one_line(limit):
+    code, out, err = shell(f"{COMMAND} vcan --limit {limit} -- true")
+    assert (code, out) == (2, "")
+    assert f"a time is a number of seconds above 0, not '{limit}'" in err

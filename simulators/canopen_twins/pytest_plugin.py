@@ -68,6 +68,7 @@ REAL_BUS = (
     " interface that asks for: canopen_simulated_time(bench, 'my_master')"
 )
 
+OURS = "canopen_"  # what the names of our properties begin with
 SHOWN = pytest.StashKey[list[Callable[[], str]]]()
 """What a failing test has to show: functions that tell it, so that passing tests pay nothing."""
 TOLD = pytest.StashKey[list["ScenarioBench"]]()
@@ -137,32 +138,42 @@ def prepare(uses: Iterable[Set[str]]) -> None:
             _ = canopen_twins.Bench(name).sdo
 
 
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_call(item: pytest.Item) -> Generator[None, object, object]:
-    """A test is over when its scenarios are: what they expect counts as what it asserts."""
-    try:
-        result = yield
-    except (Exception, pytest.fail.Exception) as error:
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """An attempt knows nothing of those before it, as there are with pytest-rerunfailures."""
+    if SHOWN in item.stash:
+        del item.stash[SHOWN]
+    if TOLD in item.stash:
+        del item.stash[TOLD]
+    others = [each for each in item.user_properties if not each[0].startswith(OURS)]
+    item.user_properties[:] = others
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_runtest_call(item: pytest.Item) -> None:
+    """A test is over when its scenarios are: what they expect counts as what it asserts.
+
+    It is the last to be called and no wrapper: those of today are unknown to pluggy below 1.2.
+    """
+    settle(item)
+
+
+@pytest.hookimpl(hookwrapper=True)
+def pytest_runtest_makereport(
+    item: pytest.Item, call: pytest.CallInfo[None]
+) -> Generator[None, Any, None]:
+    """A failing test shows what happened on its buses."""
+    error = None if call.excinfo is None else call.excinfo.value
+    if call.when == "call" and isinstance(error, (Exception, pytest.fail.Exception)):
         note(item)
         if SHOWN in item.stash and opened_a_real_bus(error):
             error.add_note(REAL_BUS)
-        raise
-    settle(item)
-    return result
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_makereport(
-    item: pytest.Item,
-) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """A failing test shows what happened on its buses."""
-    report = yield
+    report = (yield).get_result()
     if report.failed:
         for show in item.stash.get(SHOWN, []):
             report.sections.append(("CANopen: last frames and devices", show()))
         for told in item.stash.get(TOLD, []):
             report.sections.append(("CANopen: the scenario so far", str(told.verdict)))
-    return report
 
 
 def opened_a_real_bus(error: BaseException) -> bool:

@@ -1,6 +1,9 @@
+import json
 import logging
+import shlex
 import socket
 import struct
+import subprocess
 from contextlib import suppress
 from itertools import product
 from threading import Event, Thread
@@ -15,7 +18,7 @@ from canopen_twins.bus.hub.protocol import HubAddress
 from canopen_twins.bus.hub.server import serve_hub
 from canopen_twins.errors import UserError
 
-from .conftest import PATIENCE, hub_at
+from .conftest import PATIENCE, PROGRAM, Caller, hub_at
 
 KINDS = ("ours", "stock")
 
@@ -201,6 +204,27 @@ def test_there_is_an_end_to_the_number_of_clients(call, monkeypatch, caplog):
             break
     late.say("< open vcan0 >")
     assert late.hear() == "< ok >"
+
+
+def test_a_hub_without_free_descriptors_says_so_once_and_waits(stack):
+    command = f"ulimit -n 24; exec {shlex.join(PROGRAM)} hub --listen 127.0.0.1:0"
+    with subprocess.Popen(
+        ["sh", "-c", command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as hub:
+        stack.callback(hub.terminate)
+        address = HubAddress("127.0.0.1", json.loads(hub.stdout.readline())["port"])
+        callers = [Caller(address) for _ in range(30)]
+        assert hub.stderr.readline() == (
+            "canopen-twin: nobody is let in at the moment: Too many open files\n"
+        )
+        last = callers.pop()
+        for caller in callers:
+            caller.socket.close()
+        assert last.hear() == "< hi >"
+        hub.terminate()
+        assert hub.wait(PATIENCE) == 0
+        assert hub.stderr.read() == ""
+        last.socket.close()
 
 
 def test_a_client_that_gets_on_no_bus_is_sent_away(call, monkeypatch):

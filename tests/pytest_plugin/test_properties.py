@@ -83,3 +83,26 @@ def test_it_is_the_same_under_xdist(report, story, pytester):
     (case,) = ElementTree.parse(pytester.path / "report.xml").iter("testcase")
     assert told(case) == alone
     assert case.find("failure") is not None
+
+
+def test_an_attempt_is_judged_by_itself(report, story):
+    story("good.yaml", PASSING)
+    case = report(
+        """
+        attempts = []
+
+        def test_it(canopen_scenario):
+            attempts.append(canopen_scenario("good.yaml"))
+            assert len(attempts) == 2, "as it fails for the first time"
+        """,
+        "--reruns=1",
+    )["test_it"]
+    assert [each.tag for each in case] == ["properties"]
+    assert [value for name, value in told(case) if name == "canopen_verdict"] == ["PASS"]
+
+
+def test_a_story_that_fails_is_played_again(report, story):
+    story("bad.twin.yaml", FAILING, "Bad")
+    case = report(None, "--reruns=1")["Bad"]
+    assert case.find("failure") is not None
+    assert [value for name, value in told(case) if name == "canopen_verdict"] == ["FAIL"]

@@ -246,6 +246,8 @@ class Connection(asyncio.Protocol):
 
 
 NAP = 0.05  # seconds until `stopped` is asked again
+WAITING_CLIENTS = 100  # that the system keeps until they are taken
+RECOVERY = 0.5  # seconds until clients are taken again that could not be
 
 
 def serve_hub(
@@ -265,16 +267,42 @@ async def _serve(
     switch = Switch()
     try:
         server = await asyncio.get_running_loop().create_server(
-            lambda: Connection(switch), *address
+            lambda: Connection(switch), *address, start_serving=False
         )
+        doors = [each.dup() for each in server.sockets]
+        for door in doors:
+            door.listen(WAITING_CLIENTS)
     except OSError as failure:
         raise UserError(f"no hub at {address}: {_words(failure)}") from failure
-    ready(HubAddress(address.host, server.sockets[0].getsockname()[1]))
-    while not stopped():
-        await asyncio.sleep(NAP)
+    async with asyncio.TaskGroup() as group:
+        keepers = [group.create_task(_take_clients(door, switch)) for door in doors]
+        ready(HubAddress(address.host, doors[0].getsockname()[1]))
+        while not stopped():
+            await asyncio.sleep(NAP)
+        for keeper in keepers:
+            keeper.cancel()
     server.close()
     for client in tuple(switch.clients):
         client.hang_up()
+
+
+async def _take_clients(door: socket.socket, switch: Switch) -> None:
+    """Let in whoever comes; asyncio's own way tells a hundred times that there is no room."""
+    loop = asyncio.get_running_loop()
+    door.setblocking(False)
+    told = False
+    with door:
+        while True:
+            try:
+                connection, _ = await loop.sock_accept(door)
+            except OSError as failure:
+                if not told:
+                    log.warning("nobody is let in at the moment: %s", _words(failure))
+                told = True
+                await asyncio.sleep(RECOVERY)
+            else:
+                told = False
+                await loop.connect_accepted_socket(lambda: Connection(switch), connection)
 
 
 def _words(failure: OSError) -> str:
