@@ -133,3 +133,6 @@ def test_a_run_that_never_began_leaves_nothing(said, tmp_path):
     kept = ("--record", tmp_path / "record", "--trace", tmp_path / "trace.log")
     assert said("run", "topcon", *bus, *kept)[0] == 2
     assert list(tmp_path.iterdir()) == []
+    (tmp_path / "trace.log").write_text("older")
+    assert said("run", "topcon", *bus, *kept)[0] == 2
+    assert [path.read_text() for path in tmp_path.iterdir()] == ["older"]

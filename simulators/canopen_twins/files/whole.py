@@ -110,15 +110,28 @@ def write_whole(path: Path, content: str | bytes) -> None:
 
 @contextmanager
 def live_file(path: Path) -> Iterator[Path]:
-    """A file that is written in its place, for others to read along; an older one is gone at once.
+    """A file that is written in its place, for others to read along.
+
+    An older one is a part meanwhile; it is back where wrong input ends the writing, else gone.
 
     Raises:
         UserError: it cannot be written there.
     """
     path = plain_file(path)
+    older = _beside(path, PART) if path.exists() else None
     with _writing(path):
+        if older is not None:
+            path.replace(older)
         path.write_bytes(b"")
-    yield path
+    try:
+        yield path
+    except UserError:
+        path.unlink()
+        if older is not None:
+            older.replace(path)
+        raise
+    if older is not None:
+        older.unlink()
 
 
 @contextmanager
