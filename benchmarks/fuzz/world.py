@@ -88,8 +88,8 @@ class World:
     def _act(self, event: Event) -> None:
         match event:
             case Inject(fault, parameters):
-                self._bench.inject(fault, **parameters)
                 self._disturbed |= self.node.faults.known[fault].level != OF_DEVICE
+                self._bench.inject(fault, **parameters)
             case Clear():
                 self._bench.clear()
             case Change(settings):
