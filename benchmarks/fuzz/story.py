@@ -6,7 +6,7 @@ from typing import Any
 import yaml
 
 from benchmarks.fuzz.events import Change, Clear, Event, Inject, Power, Send, Wait
-from benchmarks.fuzz.world import BrokenError, World
+from benchmarks.fuzz.world import ENDING, BrokenError, World
 
 MOST_LIVES = 400  # until it is short enough
 LASTING = {"never": {"frame": "7FF#*"}}  # so that the life lasts
@@ -20,6 +20,8 @@ def live(device: str, settings: dict[str, Any], events: Sequence[Event]) -> Exce
         for event in events:
             world.do(event)
         world.look()
+        if tuple(events[-len(ENDING) :]) == ENDING:
+            world.compare()
     except Exception as failure:
         return failure
     return None

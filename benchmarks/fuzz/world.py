@@ -7,6 +7,8 @@ from benchmarks.fuzz.events import Change, Clear, Event, Inject, Power, Send, Wa
 from canopen_twins import Bench
 from canopen_twins.bus import identifiers, sdo
 from canopen_twins.bus.frame import Frame
+from canopen_twins.device.node import Node
+from canopen_twins.devices import create
 from canopen_twins.diagnosis.why import why
 from canopen_twins.errors import UserError
 from canopen_twins.slave.dictionary import address_text
@@ -20,6 +22,9 @@ OF_DEVICE = "device"  # level of faults that leave what is on the bus right
 ON_THE_BUS = frozenset({State.PRE_OPERATIONAL, State.OPERATIONAL})
 BYTES = {byte: state for state, byte in STATE_BYTE.items()}
 TOGGLE = 0x80
+COMMUNICATION, ERRORS = range(0x1000, 0x2000), (0x1001, 0x1003)
+BOOTED = 2.0  # seconds
+ENDING: tuple[Event, ...] = (Clear(), Power(False), Wait(1.0), Power(True), Wait(BOOTED))
 LOOKED_AT = 20  # frames, by `why`
 KEPT = 64
 
@@ -223,10 +228,42 @@ class World:
             raise BrokenError(f"why: {text} {rest}, but it was {' and '.join(seen)}")
 
     def end(self) -> None:
-        """What was wrong is gone when it is cleared and the supply has been off."""
-        for event in (Clear(), Power(False), Wait(1.0), Power(True), Wait(2.0)):
+        """What was wrong is gone when it is cleared and the supply has been off: raises if not."""
+        for event in ENDING:
             self.do(event)
+        self.compare()
+
+    def compare(self) -> None:
+        """Nothing of what has been cleared is left; raises `BrokenError`."""
+        self.failed = True
         if self.node.faults.active:
             raise BrokenError(f"clear: {', '.join(self.node.faults.active)} is still there")
         if self.node.slave is None and not self.node.device.silence:
             raise BrokenError("clear: it does not boot")
+        self._compare_with_new()
+        self.failed = False
+
+    def _compare_with_new(self) -> None:
+        """Its communication is that of another one with the same settings and memory."""
+        device = create(self.device, **vars(self.node.device.settings))
+        device.memory = self.node.device.memory
+        fresh = Bench({"fresh": device})
+        fresh.run(BOOTED)
+        ours, theirs = _communication(self.node), _communication(fresh.twin.node)
+        for address, value in theirs.items():
+            if ours and ours.get(address) != value:
+                where, wanted = address_text(address), int.from_bytes(value, "little")
+                words = f"clear: {where} is {ours.get(address)!r}, not {value!r}"
+                raise BrokenError(words, {"value": {where: wanted}})
+
+
+def _communication(node: Node) -> Mapping[sdo.Address, bytes]:
+    """All values of the communication area, but for errors, which may have a cause that lasts."""
+    entries = {} if node.slave is None else node.slave.entries
+    return {
+        entry.address: entry.read()
+        for index, subs in entries.items()
+        if index in COMMUNICATION and index not in ERRORS
+        for entry in subs.values()
+        if entry.readable
+    }

@@ -1,8 +1,9 @@
 """A hypothesis state machine: the random life of a twin, rule by rule."""
 
+from contextlib import contextmanager
 from random import Random
 
-from hypothesis import Phase, settings
+from hypothesis import HealthCheck, Phase, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule, run_state_machine_as_test
 
@@ -33,23 +34,32 @@ class Life(RuleBasedStateMachine):
     device = ""
     sent = 0
     """Frames, of all lives."""
-    last: "Life"
+    found = None
+    """The first world in which something did not hold, and what that was."""
 
     def __init__(self):
         super().__init__()
         self.world = World(self.device, node_id=NODE_ID)
-        type(self).last = self
+
+    @contextmanager
+    def watched(self):
+        try:
+            yield
+        except Exception as failure:
+            type(self).found = type(self).found or (self.world, failure)
+            raise
 
     def do(self, seed, *events):
         """Let something happen, and send a burst of frames behind it."""
         random = Random(seed)
-        for event in events:
-            self.world.do(event)
-        source = Frames(self.world.node, random)
-        for _ in range(BURST):
-            self.world.do(Send(source.one()))
-            if random.random() < 0.01:
-                self.world.do(Wait(random.choice(SHORT_WAITS)))
+        with self.watched():
+            for event in events:
+                self.world.do(event)
+            source = Frames(self.world.node, random)
+            for _ in range(BURST):
+                self.world.do(Send(source.one()))
+                if random.random() < 0.01:
+                    self.world.do(Wait(random.choice(SHORT_WAITS)))
 
     @rule(seed=seeds, can_id=st.integers(0, 0x7FF), data=st.binary(max_size=8))
     def frame(self, seed, can_id, data):
@@ -82,12 +92,14 @@ class Life(RuleBasedStateMachine):
 
     @invariant()
     def holds(self):
-        self.world.look()
+        with self.watched():
+            self.world.look()
 
     def teardown(self):
         type(self).sent += self.world.frames
-        if not self.world.failed:
-            self.world.end()
+        with self.watched():
+            if not self.world.failed:
+                self.world.end()
 
 
 def lives(device, count, steps):
@@ -101,10 +113,14 @@ def lives(device, count, steps):
         max_examples=count,
         stateful_step_count=steps,
         phases=[Phase.generate],  # a failure is made short by living through it again
+        suppress_health_check=list(HealthCheck),  # a slow machine is none of its business
+        deadline=None,
         database=None,
     )
     try:
         run_state_machine_as_test(machine, settings=chosen)
-    except Exception as failure:
-        return machine.sent, story(machine.last.world, failure)
+    except Exception:
+        if machine.found is None:
+            raise
+        return machine.sent, story(*machine.found)
     return machine.sent, ""
