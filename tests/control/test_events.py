@@ -1,6 +1,7 @@
 """What the control port tells as it happens: frames, why they were refused, states, orders."""
 
 import asyncio
+import logging
 from contextlib import ExitStack
 from itertools import islice
 
@@ -107,3 +108,9 @@ def test_without_a_watcher_nothing_is_decoded():
     bench.send("605#4000100000000000")
     assert not orders.waiting
     assert [str(record.frame) for record in events.records][-2] == "605#4000100000000000"
+
+
+def test_what_people_are_warned_of_is_told_too(port):
+    with port.events("?kind=note") as events:
+        logging.getLogger("canopen_twins.live.serve").warning("%.1f s are left out", 2)
+        assert next(events)["words"] == "2.0 s are left out"

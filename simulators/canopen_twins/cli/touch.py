@@ -64,7 +64,7 @@ def add_inject(parser: Parser) -> None:
     """inject."""
     parser.add_argument("fault", metavar="FAULT", help="one of `canopen-twin faults`")
     text = "its parameters"
-    parser.add_argument("parameters", nargs="*", metavar="KEY=VALUE", help=text)
+    parser.add_argument("parameters", nargs="*", default=[], metavar="KEY=VALUE", help=text)
     add_port(parser)
     parser.set_defaults(command=inject)
 
@@ -104,7 +104,7 @@ def add_power(parser: Parser) -> None:
     """power."""
     parser.add_argument("switch", choices=("on", "off"))
     text = "settings to be switched on with"
-    parser.add_argument("settings", nargs="*", metavar="KEY=VALUE", help=text)
+    parser.add_argument("settings", nargs="*", default=[], metavar="KEY=VALUE", help=text)
     add_port(parser)
     parser.set_defaults(command=power)
 
@@ -126,7 +126,7 @@ def _told(twin: RemoteTwin, word: str, *arguments: Any) -> int:
 def add_get(parser: Parser) -> None:
     """get."""
     text = "an object by its name or address (default: all that can be read)"
-    parser.add_argument("names", nargs="*", metavar="OBJECT", help=text)
+    parser.add_argument("names", nargs="*", default=[], metavar="OBJECT", help=text)
     add_json(parser)
     add_port(parser)
     parser.set_defaults(command=get)
@@ -177,7 +177,7 @@ def _lines(values: Mapping[str, object]) -> None:
 
 def add_watch(parser: Parser) -> None:
     """watch."""
-    text = "only these: frame, emcy, state, order, step, inject, clear, outcome"
+    text = "only these: frame, emcy, state, order, step, inject, clear, outcome, note"
     parser.add_argument("--kind", action="append", default=[], metavar="KIND", help=text)
     parser.add_argument("--json", action="store_true", help="an object a line, for programs")
     add_port(parser)

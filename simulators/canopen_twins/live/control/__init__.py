@@ -15,6 +15,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from threading import Thread
+from typing import TYPE_CHECKING
 
 from canopen_twins.bus.hub.protocol import HubAddress
 from canopen_twins.bus.segment import Segment
@@ -22,6 +23,11 @@ from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
 from canopen_twins.live.orders import Orders
 from canopen_twins.scenario import Player
+
+if TYPE_CHECKING:
+    from uvicorn import Server
+
+    from canopen_twins.live.control.desk import Desk
 
 MOST_CONNECTIONS = 64
 LONGEST_HOLD = 0.0005  # seconds for which the port keeps Python from the twins; usually 5 ms
@@ -52,8 +58,26 @@ def control_port(
     """
     if not address.is_loopback and not token:
         raise UserError(f"{address} can be reached from other machines: say --control-token TOKEN")
-    try:
-        import uvicorn  # noqa: PLC0415 - an extra, and half a second
+    desk, server = _server(segment, orders, player, token)
+    listening = _listen(address)
+    thread = Thread(target=server.run, args=([listening],), name="control port")
+    with _twins_first(), desk.events.with_notes():
+        thread.start()
+        try:
+            yield HubAddress(*listening.getsockname()[:2])
+        finally:
+            desk.streams.closing = True
+            orders.close()
+            server.should_exit = True
+            thread.join()
+            listening.close()
+
+
+def _server(
+    segment: Segment[Node], orders: Orders, player: Player | None, token: str
+) -> "tuple[Desk, Server]":
+    try:  # an extra, and half a second
+        from uvicorn import Config, Server  # noqa: PLC0415
 
         from canopen_twins.live.control.app import make_app  # noqa: PLC0415
         from canopen_twins.live.control.desk import Desk  # noqa: PLC0415
@@ -61,9 +85,8 @@ def control_port(
     except ModuleNotFoundError as missing:
         hint = "pip install 'canopen-twins[control]'"
         raise UserError(f"--control needs {missing.name}: {hint}") from missing
-    listening = _listen(address)
     desk = Desk(segment, orders, player)
-    config = uvicorn.Config(
+    config = Config(
         Guard(make_app(desk), token),
         lifespan="off",
         ws="none",
@@ -75,20 +98,24 @@ def control_port(
         limit_concurrency=MOST_CONNECTIONS,
         timeout_graceful_shutdown=1,
     )
-    server = uvicorn.Server(config)
+    return desk, Server(config)
+
+
+@contextmanager
+def _twins_first() -> Iterator[None]:
+    """The twins have Python back soon after they want it, and no search for garbage holds them up.
+
+    All that has been imported for the port would take such a search 50 ms.
+    """
+    before = sys.getswitchinterval()
     gc.collect()
-    gc.freeze()  # a look at all that has been imported would take the twins 50 ms
+    gc.freeze()
     sys.setswitchinterval(LONGEST_HOLD)
-    thread = Thread(target=server.run, args=([listening],), name="control port")
-    thread.start()
     try:
-        yield HubAddress(*listening.getsockname()[:2])
+        yield
     finally:
-        desk.streams.closing = True
-        orders.close()
-        server.should_exit = True
-        thread.join()
-        listening.close()
+        sys.setswitchinterval(before)
+        gc.unfreeze()
 
 
 def _listen(address: HubAddress) -> socket.socket:

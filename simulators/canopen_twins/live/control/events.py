@@ -1,8 +1,10 @@
 """What happens on a bus, told as it happens: decoded by the twins' thread, taken by the port's."""
 
+import logging
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future
+from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
@@ -23,9 +25,10 @@ from canopen_twins.scenario.started import START
 from canopen_twins.slave.emcy import emcy_of
 from canopen_twins.slave.service import State
 
+OURS = logging.getLogger("canopen_twins")
 KEPT = 500  # frames that may be asked about
 MOST_WAITING = 10_000  # events that the port has not taken yet, frames that are not decoded yet
-KINDS = ("frame", "emcy", "state", "order", "step", "inject", "clear", "outcome", "lost")
+KINDS = ("frame", "emcy", "state", "order", "step", "inject", "clear", "outcome", "note", "lost")
 EMCY = EmcyLike()
 WHY_OF = 20  # frames before a refusal that are looked at
 
@@ -62,6 +65,20 @@ class Events:
     def follow(self, player: Player) -> None:
         """Tell what a player does, too."""
         player.listeners.append(self._hear_player)
+
+    @contextmanager
+    def with_notes(self) -> Iterator[None]:
+        """What people are warned of on stderr is told here, too: a stall, a double node id."""
+        handler = Notes(self)
+        OURS.addHandler(handler)
+        try:
+            yield
+        finally:
+            OURS.removeHandler(handler)
+
+    def note(self, words: str) -> None:
+        """Tell something that concerns the bus."""
+        self._come(Event("note", self._clock.ticks, "", words))
 
     def words(self, record: Record) -> FrameEvent:
         """A frame, decoded; for the thread of the twins."""
@@ -133,6 +150,18 @@ class Events:
 
     def _add(self, kind: str, node: str, words: str, **details: Any) -> None:
         self._come(DetailedEvent(kind, self._clock.ticks, node, words, details))
+
+
+class Notes(logging.Handler):
+    """Warnings as events."""
+
+    def __init__(self, events: Events) -> None:
+        super().__init__(logging.WARNING)
+        self._events = events
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Tell one."""
+        self._events.note(record.getMessage())
 
 
 def _raise(done: "Future[None]") -> None:

@@ -171,7 +171,7 @@ class Event:
     """Something that happens; what else it tells depends on its kind."""
 
     kind: str
-    """One of `frame`, `emcy`, `state`, `order`, `step`, `inject`, `clear`, `outcome`, `lost`."""
+    """frame, emcy, state, order, step, inject, clear, outcome, note (a warning) or lost."""
     moment: int
     node: str
     """Whom it is about, or who has sent it; empty for the bus, or somebody else."""
