@@ -1,0 +1,44 @@
+"""The page about touching a twin does what it says."""
+
+import os
+import re
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "touch-a-running-twin.md"
+BEGIN = "trap 'kill $(jobs -p) 2>/dev/null || true' EXIT\n"
+READY = "until (: > /dev/tcp/127.0.0.1/{}) 2>/dev/null; do sleep 0.1; done\n"
+
+
+def free_port():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        return str(server.getsockname()[1])
+
+
+def test_the_page_does_what_it_says(tmp_path):
+    text = PAGE.read_text("utf-8")
+    _, start, *blocks = re.findall(r"```sh\n(.*?)```", text, re.DOTALL)
+    (python,) = re.findall(r"```python file=touch.py\n(.*?)```", text, re.DOTALL)
+    port, hub = free_port(), free_port()
+    (tmp_path / "touch.py").write_text(python.replace("8123", port))
+    hub_line, run_line = start.splitlines(keepends=True)
+    waits = (READY.format(hub), READY.format(port))
+    lines = [BEGIN, hub_line, waits[0], run_line, waits[1], *blocks, "python touch.py\n"]
+    script = "".join(lines).replace("8123", port).replace("--hub", f"--hub :{hub}")
+    script = script.replace("canopen-twin hub", f"canopen-twin hub --listen :{hub}")
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(
+        ["bash", "-exc", script],
+        cwd=tmp_path,
+        env={**os.environ, "PATH": path, "XDG_RUNTIME_DIR": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        timeout=40,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert '"running": true' in done.stdout
+    assert "Active:\n\nheartbeat_late(seconds=0.5)\n" in done.stdout
+    assert "OPERATIONAL {'Actual voltage': " in done.stdout
