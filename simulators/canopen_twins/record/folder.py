@@ -17,7 +17,7 @@ from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
 from canopen_twins.faults import connect
 from canopen_twins.files.whole import folder_part
-from canopen_twins.record.journal import END, HEARD, ORDER, EventLine, Journal, read_events
+from canopen_twins.record.journal import END, HEARD, ORDER, STALL, EventLine, Journal, read_events
 from canopen_twins.record.manifest import DEVICES, Manifest, digest, read_manifest, version_now
 from canopen_twins.record.trace import Observer
 from canopen_twins.record.trace_reader import read_frames
@@ -25,6 +25,7 @@ from canopen_twins.scenario import Player, Scenario, begin, load, play, print_fr
 from canopen_twins.scenario.scenario import NodeSpec
 from canopen_twins.scenario.started import START, STOP, read_text, start_now, stop_now
 
+GRAIN = 1 / MICROSECONDS
 NO_FILES: Mapping[str, bytes] = MappingProxyType({})
 RUN, SCENARIO, TRACE, EVENTS = "run.json", "scenario.yaml", "trace.log", "events.jsonl"
 
@@ -178,7 +179,17 @@ def reproduce(recorded: Recorded, observers: Iterable[Observer]) -> None:
         elif event.kind == ORDER:
             segment.advance_to(event.time)
             hands.repeat(event)
+        elif event.kind == STALL:
+            segment.advance_to(event.time - GRAIN)  # it counts from this microsecond on
+            segment.clock.unseen = _unseen(event)
     segment.advance_to(recorded.end)
+
+
+def _unseen(event: EventLine) -> float:
+    unseen = event.fields.get("unseen")
+    if isinstance(unseen, bool) or not isinstance(unseen, int | float):
+        raise UserError(f"the record is damaged: {event}")
+    return unseen
 
 
 class Hands:

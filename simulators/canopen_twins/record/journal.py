@@ -17,12 +17,13 @@ from canopen_twins.slave.service import State
 
 LONGEST_LINE = 1 << 20  # characters
 FOREVER = 1e9  # seconds; no run is longer
-HEARD, STATE, ORDER, END = "heard", "state", "order", "end"
+HEARD, STATE, ORDER, STALL, END = "heard", "state", "order", "stall", "end"
 EMCY = EmcyLike()
 PHRASES = {
     HEARD: "heard {frame}",
     STATE: "{state}",
     ORDER: "ordered: {order} {arguments}",
+    STALL: "late: what is periodic is sent once",
     END: "the run is over",
     "emcy": "{words}",
     "step": "step of line {line}: {what}",
@@ -90,6 +91,8 @@ class Journal:
         self._hear_states = {name: partial(self._hear_state, name) for name in self._nodes}
         segment.listeners.append(self._hear)
         segment.order_listeners.append(self._hear_order)
+        segment.clock.stall_listeners.append(self._hear_stall)
+        self._unseen = 0.0  # what has been told
         for name, node in self._nodes.items():
             node.listeners.append(self._hear_states[name])
         if player is not None:
@@ -112,6 +115,11 @@ class Journal:
 
     def _hear_order(self, name: str, word: str, arguments: Sequence[Any]) -> None:
         self._note(ORDER, name, order=word, arguments=arguments)
+
+    def _hear_stall(self, unseen: float) -> None:
+        if unseen != self._unseen:
+            self._unseen = unseen
+            self._note(STALL, unseen=unseen)
 
     def _hear_state(self, name: str, state: State) -> None:
         self._note(STATE, name, state=state.lower())
