@@ -151,6 +151,8 @@ def _power_on(node: Node, settings: Mapping[str, object]) -> None:
 def each_value(node: Node, wanted: Sequence[str]) -> Iterator[tuple[str, object]]:
     """What `Twin.values` gives, one by one."""
     node.look()
+    if wanted and node.slave is None:
+        raise UserError(f"{wanted[0]} cannot be read: the node is silent")
     objects = {} if node.slave is None else node.slave.entries
     readable = [
         entry for entry in chain.from_iterable(map(dict.values, objects.values())) if entry.readable

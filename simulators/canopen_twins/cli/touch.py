@@ -165,7 +165,7 @@ def state(options: argparse.Namespace) -> int:
         print(f"{each['name']}: node {each['node_id']}, {supply}")
         faults = ", ".join(fault["words"] for fault in each["faults"])
         errors = ", ".join(f"{e['code']:04X}h {e['label']}".strip() for e in each["errors"])
-        lines = {"faults": faults or "none", "errors": errors or "none", **each["report"]}
+        lines = {"faults": faults or "none", "EMCY": errors or "none", **each["report"]}
         _lines({f"  {key}": value for key, value in lines.items()})
     return OK
 
