@@ -59,3 +59,14 @@ def test_a_directory_is_told_what_to_name(checked, tmp_path):
         2,
         f"{tmp_path} is a directory: name the files in it, such as {tmp_path}/*.yaml\n",
     )
+
+
+def test_a_campaign_file_is_one(checked, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "contract.yaml").write_text("version: 1\nnode: {device: topcon}\nsteps: []\n")
+    (tmp_path / "nightly.yaml").write_text("version: 1\ncontract: contract.yaml\nseeds: 3\n")
+    assert checked("nightly.yaml") == (0, "nightly.yaml: ok\n", "")
+    (tmp_path / "nightly.yaml").write_text("version: 1\ncontract: contract.yaml\nsed: 3\n")
+    assert (
+        checked("nightly.yaml")[2] == "nightly.yaml:3:1: unknown key 'sed': did you mean 'seeds'?\n"
+    )

@@ -69,6 +69,9 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
     "hunt": {
         "hunt": "search for faults that a master does not survive: each find is a scenario file"
     },
+    "campaign": {
+        "campaign": "play a contract with every combination of a grid, each once, and tell of all"
+    },
     "check": {
         "check": "say what is wrong with scenarios, bench files and EDS files",
         "schema": "print the JSON Schema of scenarios, bench files or device files, for editors",

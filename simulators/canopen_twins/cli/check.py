@@ -64,6 +64,10 @@ def _remarks(name: str) -> Sequence[str]:
         devices.create(device, **{setting: name})
     elif path.exists() and understand(path, _is_bench):
         rules.load_bench(path)
+    elif path.exists() and understand(path, lambda file: "contract" in file.pairs):
+        from canopen_twins.hunt.grid import read_grid  # noqa: PLC0415 - which brings pydantic
+
+        read_grid(path)
     else:
         load(name)
     return ()
@@ -124,7 +128,7 @@ def found(name: str) -> AbstractContextManager[Path]:
 def add_schema(parser: Parser) -> None:
     """schema."""
     parser.add_argument(
-        "file", nargs="?", choices=("scenario", "bench", "device"), default="scenario"
+        "file", nargs="?", choices=("scenario", "bench", "device", "campaign"), default="scenario"
     )
     parser.set_defaults(command=schema)
 
@@ -134,12 +138,14 @@ def schema(options: argparse.Namespace) -> int:
     # pydantic, which a run without a scenario starts without
     from canopen_twins.devices.eds.device_file import DeviceFile  # noqa: PLC0415
     from canopen_twins.files.table import Table, json_schema  # noqa: PLC0415
+    from canopen_twins.hunt.grid import CampaignFile  # noqa: PLC0415
     from canopen_twins.scenario.schema import BenchFile, ScenarioFile  # noqa: PLC0415
 
     tables: dict[str, type[Table]] = {
         "scenario": ScenarioFile,
         "bench": BenchFile,
         "device": DeviceFile,
+        "campaign": CampaignFile,
     }
     print(json.dumps(json_schema(tables[options.file]), indent=2))
     return OK

@@ -34,6 +34,10 @@ EXAMPLES: Mapping[str, Sequence[str]] = {
         "hunt contract.yaml --master my_master:main --seconds 600 --finds finds",
     ),
     "conform": ("conform topcon", "conform drive.eds -n 5 -i socketcan -c vcan0"),
+    "campaign": (
+        "campaign nightly.yaml --master my_master:main --jobs 2",
+        "campaign nightly.yaml --dask tcp://127.0.0.1:8786 --upload my_master.py --json runs.json",
+    ),
     "check": ("check trip.yaml bench.yaml drive.eds",),
     "schema": ("schema", "schema bench"),
     "new-device": ("new-device pump",),

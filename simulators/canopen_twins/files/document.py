@@ -137,6 +137,11 @@ class Item:
         return isinstance(self.node, yaml.MappingNode)
 
     @property
+    def is_word(self) -> bool:
+        """Whether it is one value, neither a list nor keys."""
+        return isinstance(self.node, yaml.ScalarNode)
+
+    @property
     def is_decimal(self) -> bool:
         """Whether it is nothing but digits."""
         return isinstance(self.node, yaml.ScalarNode) and str(self.node.value).isdecimal()

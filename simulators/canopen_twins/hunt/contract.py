@@ -24,6 +24,7 @@ from canopen_twins.scenario.rehearsal import BESIDE
 
 LARGEST = 256 * 1024  # bytes
 OF_A_HUNT = ("weather", "space")
+OF_A_NODE = ("device", *BESIDE)
 LAST = ("steps", "disturbances", "recovers", "cleanup")
 
 Disturbance = Mapping[str, Any]
@@ -41,12 +42,15 @@ class Plan:
     """Whether everything heals, so that the master has to be back."""
     left_out: tuple[int, ...] = ()
     """Steps of the contract that are not carried out, counted from 0."""
+    seed: int | None = None
+    """Where chance begins, if not as the contract says."""
 
     @property
     def key(self) -> str:
         """What makes it this one."""
         wrong = sorted(repr(each) for each in self.disturbances)
-        return repr((wrong, sorted(map(repr, self.settings)), self.heals, self.left_out))
+        settings = sorted(map(repr, self.settings))
+        return repr((wrong, settings, self.heals, self.left_out, self.seed))
 
     @property
     def size(self) -> int:
@@ -87,6 +91,8 @@ class Contract:
         pairs = dict(_pairs(self.file, _stamp(self.file)))
         for key, value in (named or {}).items():
             pairs[key] = node_of(value)
+        if plan.seed is not None:
+            pairs["seed"] = node_of(plan.seed)
         if self.master:
             pairs["master"] = node_of(self.master)
         if plan.left_out and isinstance(steps := pairs.get("steps"), yaml.SequenceNode):
@@ -136,7 +142,7 @@ def _pairs(file: Path, stamp: int) -> Mapping[str, yaml.Node]:
 
 def _deliver(pairs: dict[str, yaml.Node], name: str, key: str, value: yaml.Node) -> None:
     """Let a node be delivered with a setting."""
-    path = (key,) if key in BESIDE else ("settings", key)
+    path = (key,) if key in OF_A_NODE else ("settings", key)
     if "node" in pairs:
         pairs["node"] = _with(pairs["node"], path, value)
     else:
