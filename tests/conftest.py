@@ -1,6 +1,6 @@
 import gc
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import canopen
@@ -44,6 +44,14 @@ def pytest_xdist_make_scheduler(config, log):
             return "shipped scenarios" if nodeid.startswith(WITH_RUNS) else nodeid
 
     return Scheduling(config, log)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def nobody_else_runs(tmp_path_factory) -> Iterator[None]:
+    """Twins that run on this machine are no business of a test, nor those of tests anybody's."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_RUNTIME_DIR", str(tmp_path_factory.mktemp("running")))
+        yield
 
 
 @pytest.fixture
