@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -13,9 +14,14 @@ from canopen_twins.cli.traces import add_trace_options, opened, tell_damage
 from canopen_twins.device.device import Device
 from canopen_twins.errors import UserError
 from canopen_twins.files.whole import write_whole
-from canopen_twins.record.compare import Comparison, Tolerances
-from canopen_twins.record.compare.report import as_json, as_page, text
+from canopen_twins.record.compare import Agreement, Comparison, Tolerances
+from canopen_twins.record.compare.fit import Fit, Specs
+from canopen_twins.record.compare.fit_files import write_fit
+from canopen_twins.record.compare.report import as_json, as_page, percent, text
+from canopen_twins.record.compare.shown import Shown
+from canopen_twins.record.trace_reader import Trace
 from canopen_twins.scenario import load_bench
+from canopen_twins.scenario.scenario import NodeSpec
 
 
 def add_compare(parser: Parser) -> None:
@@ -26,6 +32,8 @@ def add_compare(parser: Parser) -> None:
     add_tolerances(parser)
     parser.add_argument("--json", action="store_true", help="the report for programs")
     parser.add_argument("--html", type=Path, metavar="FILE", help="write the report as a page")
+    text = "write a bench file with the settings that fit best, and what it needs beside it"
+    parser.add_argument("--fit", type=Path, metavar="FILE", help=text)
     parser.set_defaults(command=compare)
 
 
@@ -42,17 +50,44 @@ def add_tolerances(parser: Parser) -> None:
 
 def compare(options: argparse.Namespace) -> int:
     """0 if all agrees, 1 if something does not."""
-    devices = participants(options)
-    comparison = Comparison(devices, tolerances(options, devices.values()))
+    specs = participants(options)
+    nodes = {name: spec.create() for name, spec in specs.items()}
+    allowed = tolerances(options, nodes.values())
     trace = opened(options, options.trace)
-    for sent in trace:
-        comparison.hear(sent.tick, sent.frame)
-    agreement = comparison.end()
+    agreement = _compared(trace, nodes, allowed)
     tell_damage(trace)
     if options.html is not None:
         _write(options.html, as_page(agreement, f"{options.device} beside {options.trace.name}"))
     print(as_json(agreement) if options.json else text(agreement))
+    if options.fit is not None:
+        _fit(options, specs, trace, allowed, agreement)
     return FAILED if agreement.differences else OK
+
+
+def _compared(trace: Trace, nodes: Mapping[str, Device], allowed: Tolerances) -> Agreement:
+    comparison = Comparison(nodes, allowed)
+    for sent in trace:
+        comparison.hear(sent.tick, sent.frame)
+    return comparison.end()
+
+
+def _fit(
+    options: argparse.Namespace,
+    specs: Specs,
+    trace: Trace,
+    allowed: Tolerances,
+    before: Agreement,
+) -> None:
+    """Write what fits best, and say on stderr what that has brought."""
+    best = Fit(specs, trace, allowed).best
+    files = write_fit(options.fit, best.specs, best.shown)
+    fitted = {name: spec.create() for name, spec in load_bench(options.fit).items()}
+    after = _compared(trace, fitted, allowed)
+    if after.share < before.share:  # what is beyond the frames that were tried says otherwise
+        files = write_fit(options.fit, specs, {name: Shown() for name in specs})
+        after = before
+    told = f"{percent(after.share)} agree with it, {percent(before.share)} without"
+    print(f"{', '.join(map(str, files))}: {told}", file=sys.stderr)
 
 
 def _write(path: Path, content: str) -> None:
@@ -62,7 +97,7 @@ def _write(path: Path, content: str) -> None:
         raise UserError(f"{path} cannot be written: {failure.strerror}") from failure
 
 
-def tolerances(options: argparse.Namespace, devices: Iterable[Device]) -> Tolerances:
+def tolerances(options: argparse.Namespace, nodes: Iterable[Device]) -> Tolerances:
     """What the options say; they have the last word.
 
     Raises:
@@ -73,7 +108,7 @@ def tolerances(options: argparse.Namespace, devices: Iterable[Device]) -> Tolera
 
     allowed = Tolerances()
     if options.tolerances is not None:
-        allowed = files.read_tolerances(options.tolerances, devices)
+        allowed = files.read_tolerances(options.tolerances, nodes)
     if options.time is not None:
         allowed = replace(allowed, time=files.time_of(options.time))
     if options.value is not None:
@@ -83,8 +118,8 @@ def tolerances(options: argparse.Namespace, devices: Iterable[Device]) -> Tolera
     return allowed
 
 
-def participants(options: argparse.Namespace) -> Mapping[str, Device]:
-    """The devices by names, with their power off.
+def participants(options: argparse.Namespace) -> Specs:
+    """The devices by the names of their nodes, and how they are delivered.
 
     Raises:
         UserError: there is no such device or file, or it cannot be as it is told to be.
@@ -93,5 +128,5 @@ def participants(options: argparse.Namespace) -> Mapping[str, Device]:
     if not devices.tells_of_device(name) and name.lower().endswith(devices.YAML):
         if device_settings(options):
             raise UserError(f"{name} says all about its nodes: leave --node-id and --set out")
-        return {each: spec.create() for each, spec in load_bench(Path(name)).items()}
-    return {name: devices.create(name, **device_settings(options))}
+        return load_bench(Path(name))
+    return {name: NodeSpec(devices.find(name), device_settings(options))}

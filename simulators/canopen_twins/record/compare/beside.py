@@ -19,6 +19,7 @@ from canopen_twins.device.timing import Timing
 from canopen_twins.record.compare.agreement import Account, Agreement, Kind, Subject
 from canopen_twins.record.compare.dialogue import Dialogue, Transfer, outcome
 from canopen_twins.record.compare.judge import Judge, longest_answer
+from canopen_twins.record.compare.shown import Shown
 from canopen_twins.record.compare.stream import WINDOW, Pair, Seen, Stream
 from canopen_twins.record.compare.timeline import Timeline
 from canopen_twins.record.compare.tolerances import Tolerances
@@ -98,6 +99,11 @@ class Beside:
         self._deaf = False  # what the twin sends now is of no interest
         self.exercised = Exercised()
         self.derive()
+
+    def show(self) -> Shown:
+        """Keep from now on what the device shows."""
+        self._judge.shown = Shown()
+        return self._judge.shown
 
     # What comes in
 
@@ -282,6 +288,8 @@ class Beside:
     def _begin(self, tick: int, frame: Frame) -> None:
         """The first that is seen of the device: has it just booted, or long before?"""
         self.in_the_middle = not _is_boot_up(frame)
+        if self._judge.shown is not None:
+            self._judge.shown.begun = tick
         self._boot()
         self.begun = True
         if self.in_the_middle:
@@ -359,6 +367,8 @@ class Beside:
         if self.node.slave is None:
             self._timeline.wait_for(self.node)
         subject = Subject(self.name, BOOT)
+        if self._judge.shown is not None and self._reset is not None:
+            self._judge.shown.keep(self._judge.shown.boot_times, tick - self._reset[0])
         if self._booted is None:
             text = "nobody has asked for it: a power cycle, or a reset of its own"
             self._tell_boot(subject, Kind.MORE, tick, text)
@@ -408,6 +418,18 @@ class Beside:
         elif self.in_the_middle or transfer.address in self._unknown:
             self._take_over(transfer)
         self._judge.transfer(transfer)
+        if self._judge.shown is not None:
+            self._show(self._judge.shown, transfer)
+
+    def _show(self, shown: Shown, transfer: Transfer) -> None:
+        """Keep what was read of an object that nobody had written since it was delivered."""
+        device, twin = outcome(transfer.device), outcome(transfer.twin)
+        entry = self._judge.entry(transfer.address)
+        if entry is None or entry.address in {*self._written, *shown.read}:
+            return
+        if device.code is None is twin.code and device.value and twin.value:
+            told = entry.unpack(device.value), entry.unpack(twin.value)
+            shown.read[entry.address], shown.raw[entry.address] = told, device.value
 
     def _unasked(self, tick: int, data: bytes) -> None:
         """An answer whose request the trace lacks; of a read it is known what that was."""

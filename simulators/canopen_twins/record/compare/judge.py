@@ -18,6 +18,7 @@ from canopen_twins.diagnosis.decoder import STATES, Decoder
 from canopen_twins.diagnosis.why import why
 from canopen_twins.record.compare.agreement import Account, Agreement, Kind, Subject
 from canopen_twins.record.compare.dialogue import Answer, Outcome, Transfer, outcome
+from canopen_twins.record.compare.shown import Shown
 from canopen_twins.record.compare.stream import Pair, Seen
 from canopen_twins.record.compare.tolerances import Tolerances
 from canopen_twins.slave.dictionary import address_text
@@ -46,6 +47,8 @@ class Judge:
         expected: Timing,
     ) -> None:
         """`expected` is how long the device is said to take."""
+        self.shown: Shown | None = None
+        """What the device shows, for whoever wants to know."""
         self.node = node
         self.name = node.wire.name
         self.agreement = agreement
@@ -75,6 +78,10 @@ class Judge:
             self._judge_delay(transfer, answer)
 
     def _judge_delay(self, transfer: Transfer, answer: Answer) -> None:
+        if self.shown is not None:
+            stores = _stores(transfer)
+            times = self.shown.store_times if stores else self.shown.answer_times
+            self.shown.keep(times, answer.delay)
         least, most = self._span(transfer)
         if least - self.tolerances.time <= answer.delay <= most + self.tolerances.time:
             self.agreement.agree(self._answer_time)
@@ -133,6 +140,8 @@ class Judge:
             return False
         if entry.size is not None and {len(device.value), len(twin.value)} != {entry.size}:
             return device.value[: entry.size] == twin.value[: entry.size]
+        if self.shown is not None and entry.address in self._measured:
+            self.shown.pair(entry.address, entry.unpack(device.value), entry.unpack(twin.value))
         others = [twin.value]
         if transfer.before is not None:  # from the request on, until now
             others += [transfer.before, self.look(entry.address) or transfer.before]
@@ -210,6 +219,8 @@ class Judge:
 
     def state(self, service: str, pair: Pair) -> None:
         """A heartbeat, or the answer to node guarding."""
+        if self.shown is not None and service == STATES_OF[0] and pair.intervals is not None:
+            self.shown.keep(self.shown.beats, pair.intervals[0])
         self._message(Subject(self.name, service), pair, self._other_state)
 
     def same_state(self, device: Seen, twin: Seen) -> bool:
@@ -295,6 +306,8 @@ class Judge:
         device, twin = pair.device, pair.twin
         assert device is not None
         assert twin is not None
+        if self.shown is not None:
+            self._show(self.shown, number, device, twin)
         if device.frame == twin.frame or self.same_pdo(number, device, twin):
             if abs(pair.late) > self.tolerances.time:
                 self._differ(subject, Kind.TIME, pair, _late(pair))
@@ -316,6 +329,18 @@ class Judge:
         for entry, text in rest:
             account = partial(self._pair, pair, text)
             self.agreement.tell(self._part(row, entry), Kind.VALUE, pair.device.tick, account)
+
+    def _show(self, shown: Shown, number: int, device: Seen, twin: Seen) -> None:
+        """Keep what a TPDO has brought."""
+        slave = self.node.slave
+        for part in [] if slave is None else carried(slave, Tpdo.mapping + number - 1):
+            entry, frames = part.entry, (device.frame, twin.frame)
+            if entry is None or part.end > 8 * min(len(frame.data) for frame in frames):
+                continue
+            value, other = (entry.unpack(part.value(frame.data)) for frame in frames)
+            shown.sample(entry.address, device.tick, value)
+            if entry.address in self._measured:
+                shown.pair(entry.address, value, other)
 
     def _part(self, row: Subject, entry: Entry) -> Subject:
         return row._replace(object=self._named(entry.address))

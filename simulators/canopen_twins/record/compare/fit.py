@@ -1,0 +1,146 @@
+"""The settings of a twin with which it is most like the device of a trace."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
+from itertools import islice, pairwise
+from statistics import median, quantiles
+from typing import Any, Literal, get_args, get_origin, get_type_hints
+
+from canopen_twins.bus.clock import MICROSECONDS
+from canopen_twins.device.settings import NodeSettings
+from canopen_twins.errors import UserError
+from canopen_twins.record.compare.agreement import Agreement
+from canopen_twins.record.compare.comparison import Comparison
+from canopen_twins.record.compare.shown import Shown
+from canopen_twins.record.compare.tolerances import Tolerances
+from canopen_twins.record.trace import TimedFrame
+from canopen_twins.scenario.scenario import NodeSpec
+
+TRIED_WITH = 20_000  # frames; every trial plays them anew
+DIGITS = 4  # of a time in seconds
+UNDECIDED = frozenset(field.name for field in fields(NodeSettings))
+"""Settings that are worked out of times, or that no trace decides."""
+
+Specs = Mapping[str, NodeSpec]
+
+
+@dataclass(frozen=True)
+class Trial:
+    """How well nodes with some settings agree with a trace."""
+
+    specs: Specs
+    agreement: Agreement
+    shown: Mapping[str, Shown]
+
+    @property
+    def score(self) -> tuple[float, int]:
+        """The more the better: what agrees, then how few kinds of differences there are."""
+        return self.agreement.share, -len(self.agreement.differences)
+
+
+class Fit:
+    """A greedy search: one setting after the other is changed, and kept if the twin gains by it."""
+
+    def __init__(self, specs: Specs, frames: Iterable[TimedFrame], tolerances: Tolerances) -> None:
+        """Raises `UserError` as a comparison does."""
+        self._frames: Sequence[TimedFrame] = list(islice(frames, TRIED_WITH))
+        self._tolerances = tolerances
+        self.best = self._try(specs)
+        for name in specs:
+            self._fit(name)
+
+    def _fit(self, name: str) -> None:
+        for settings in _times(self.best.shown[name]):
+            self._offer(name, settings, is_better=False)
+        for settings in _values(self.best, name):
+            self._offer(name, settings)
+        for settings in _choices(self.best.specs[name]):
+            if self.best.score == (1.0, 0):
+                return
+            self._offer(name, settings)
+        for settings in _measurement(self.best.shown[name]):
+            self._offer(name, settings)
+
+    def _offer(self, name: str, settings: Mapping[str, object], is_better: bool = True) -> None:
+        """Take settings over if they make the twin more like the device, or no less like it."""
+        spec = self.best.specs[name]
+        known = {field.name for field in fields(spec.device.settings)}
+        if not settings.keys() <= known:
+            return
+        changed = NodeSpec(spec.device, {**spec.settings, **settings})
+        try:
+            trial = self._try({**self.best.specs, name: changed})
+        except UserError:
+            return  # they do not go together
+        if trial.score > self.best.score or (not is_better and trial.score == self.best.score):
+            self.best = trial
+
+    def _try(self, specs: Specs) -> Trial:
+        devices = {name: spec.create() for name, spec in specs.items()}
+        comparison = Comparison(devices, self._tolerances)
+        shown = {name: beside.show() for name, beside in comparison.nodes.items()}
+        for sent in self._frames:
+            comparison.hear(sent.tick, sent.frame)
+        return Trial(specs, comparison.end(), shown)
+
+
+def _times(shown: Shown) -> Iterator[Mapping[str, object]]:
+    """Booting, answering and storing, each by what is in the middle, and its spread."""
+    if shown.boot_times:
+        yield {"boot_time": _seconds(median(shown.boot_times))}
+    if len(shown.answer_times) > 1:
+        cuts = quantiles(shown.answer_times, n=100, method="inclusive")
+        yield {"answer_time": _seconds(cuts[0]), "answer_jitter": _seconds(cuts[-1] - cuts[0])}
+    if shown.store_times:
+        usual = median(shown.answer_times) if shown.answer_times else 0.0
+        yield {"store_time": _seconds(max(median(shown.store_times) - usual, 0.0))}
+
+
+def _values(trial: Trial, name: str) -> Iterator[Mapping[str, object]]:
+    """Settings that have the value that the twin has answered, where the device has another."""
+    spec, shown = trial.specs[name], trial.shown[name]
+    settings = spec.create().settings
+    pairs = [(theirs, ours) for theirs, ours in shown.read.values() if theirs != ours]
+    if shown.beats and (0x1017, 0) not in shown.read:
+        beat = round(median(shown.beats) / 1000)
+        pairs += [
+            (beat, getattr(settings, field.name))
+            for field in fields(settings)
+            if field.name.startswith("heartbeat") and field.name.endswith("_ms")
+        ]
+    for theirs, ours in pairs:
+        for field in fields(settings):
+            value = getattr(settings, field.name)
+            if field.name not in UNDECIDED and type(value) is type(ours) and value == ours:
+                yield {field.name: theirs}
+
+
+def _choices(spec: NodeSpec) -> Iterator[Mapping[str, object]]:
+    """Every other word of a setting that has some, and every other truth."""
+    settings: Any = spec.create().settings
+    hints = get_type_hints(type(settings))
+    for field in fields(settings):
+        if field.name in UNDECIDED and field.name != "store_busy":
+            continue
+        kind, now = hints[field.name], getattr(settings, field.name)
+        words = get_args(kind) if get_origin(kind) is Literal else (True, False)
+        if get_origin(kind) is Literal or kind is bool:
+            yield from ({field.name: word} for word in words if word != now)
+
+
+def _measurement(shown: Shown) -> Iterator[Mapping[str, object]]:
+    """The noise that covers what is apart, and the time for which a value stays as it is."""
+    apart = [abs(one - other) for pairs in shown.measured.values() for one, other in pairs]
+    if len(apart) > 1:
+        yield {"noise": float(quantiles(apart, n=100, method="inclusive")[-1])}
+        yield {"noise": float(max(apart))}
+    for samples in shown.series.values():
+        steps = [b.tick - a.tick for a, b in pairwise(samples)]
+        if len(steps) > 2:
+            yield {"measure_time": _seconds(min(steps))}
+
+
+def _seconds(microseconds: float) -> float:
+    return round(microseconds / MICROSECONDS, DIGITS)
