@@ -1,6 +1,7 @@
 """hunt: a contract and a master with a bug, up to the file that shows it."""
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -9,7 +10,12 @@ from xml.etree import ElementTree
 import pytest
 import yaml
 
+from canopen_twins.bus.segment import Segment
 from canopen_twins.cli import main
+from canopen_twins.device.device import Device
+from canopen_twins.device.faults import WEATHERS
+from canopen_twins.faults import connect
+from canopen_twins.faults.weather import WEATHER
 from canopen_twins.hunt import free
 from canopen_twins.hunt.contract import Contract, Plan
 from canopen_twins.hunt.events import events_of
@@ -224,3 +230,17 @@ def test_the_fixture_fails_with_what_it_finds(pytester, master, outcome):
         )
         again = pytester.runpytest_inprocess("-p", "no:cacheprovider", *map(str, finds))
         again.assert_outcomes(failed=len(finds))  # and is a test from now on
+
+
+def test_the_tutorial_shows_what_is_found(hunted):
+    page = Path(__file__).parents[2] / "docs" / "tutorial-hunt.md"
+    shown = dict(re.findall(r"```\w+ file=(\S+)\n(.*?)```", page.read_text("utf-8"), re.DOTALL))
+    contract = shown["contract.yaml"]
+    _, said = hunted(shown["holder.py"], "--runs", "16", contract=contract)
+    assert f"```text\n{''.join(said.splitlines(keepends=True)[:2])}```" in page.read_text("utf-8")
+
+
+def test_every_fault_of_every_device_says_in_which_weather_it_comes():
+    known = connect(Segment(), Device(), "").faults.known
+    assert known.keys() == WEATHER.keys()
+    assert {weather.least for weather in WEATHER.values()} <= set(WEATHERS)

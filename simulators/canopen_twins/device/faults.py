@@ -139,6 +139,8 @@ class Fault:
             "text": self.text,
             "sees": self.sees,
             "lasting": self.clear is not None,
+            "weather": self.weather.least,
+            "why": self.weather.why,
             "parameters": parameters,
         }
 

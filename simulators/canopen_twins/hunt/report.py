@@ -161,8 +161,10 @@ STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; margin: 2rem; color: #1b1f24; background: #fff }
 table { border-collapse: collapse; margin: 1rem 0 } th { font-weight: 500; text-align: left }
 th, td { padding: .2rem .6rem; border: 1px solid #d0d7de } td { text-align: center }
-thead th { vertical-align: bottom } .pass { background: #cdeed3 } .fail { background: #ffc9c4 }
-.never { color: #8c959f } pre { white-space: pre-wrap; background: #f6f8fa; padding: 1rem }
+thead th + th { writing-mode: vertical-rl; transform: rotate(180deg); padding: .6rem .2rem }
+.pass { background: #cdeed3 } .fail { background: #ffc9c4 }
+.wide { overflow-x: auto } .never { color: #8c959f }
+pre { white-space: pre-wrap; background: #f6f8fa; padding: 1rem }
 """
 
 
@@ -186,7 +188,7 @@ def _picture(report: Report) -> str:
     columns = "".join(f"<th>{escape(phase)}</th>" for phase in report.phases)
     rows = [f"<tr><th>{escape(fault)}</th>{_row(report, fault)}</tr>" for fault in report.faults]
     head = f"<thead><tr><th>fault by phase</th>{columns}</tr></thead>"
-    return f"<table>{head}<tbody>{''.join(rows)}</tbody></table>"
+    return f"<div class=wide><table>{head}<tbody>{''.join(rows)}</tbody></table></div>"
 
 
 def _row(report: Report, fault: str) -> str:

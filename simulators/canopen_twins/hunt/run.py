@@ -12,6 +12,7 @@ from typing import Any
 
 from canopen_twins.bus import sdo
 from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.identifiers import Cob, Identifier, classify, sdo_answer
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
@@ -19,6 +20,7 @@ from canopen_twins.hunt.contract import Contract, Plan
 from canopen_twins.scenario import Kind, Player, Verdict, play
 from canopen_twins.scenario.run_log import PlayerEvent
 from canopen_twins.scenario.step_sequence import NEVER_CAME, UNDECIDED
+from canopen_twins.slave.dictionary import address_text
 from canopen_twins.slave.service import State
 
 
@@ -121,7 +123,8 @@ class Observer:
         self._player: Player
         self._nodes: dict[str, Node] = {}
         self._phase = ""
-        self._asked: set[int] = set()  # identifiers of nodes that owe an answer
+        self._asked: dict[int, str] = {}  # what each node owes an answer to, by its identifier
+        self._last: dict[int, str] = {}  # what the master has asked it for last
 
     @property
     def fired(self) -> int:
@@ -140,17 +143,27 @@ class Observer:
         self.digest.update(f"{tick} {frame} {sender}\n".encode())
         if len(frame.data) == sdo.LENGTH and not frame.extended:
             if sender in self._nodes:
-                self._asked.discard(frame.can_id)
-            elif 0x600 < frame.can_id < 0x680:
-                self._asked.add(frame.can_id - 0x80)
+                self._asked.pop(frame.can_id, None)
+            elif (told := _access(frame)) is not None:
+                self._last[frame.can_id - 0x80] = self._asked[frame.can_id - 0x80] = told
 
     def _follow(self, event: PlayerEvent) -> None:
         if event.kind == "step" and event.node:  # it is told before it is carried out
-            self._phase = phase_of(self._nodes[event.node], self._asked)
+            self._phase = self._phase_of(self._nodes[event.node])
         elif event.kind == "inject":
             self.cells.append(Cell(str(event.fields["fault"]), self._phase))
         elif event.kind == "outcome" and event.fields["verdict"] == Kind.FAIL:
             self.failures.append(self._failure(event))
+
+    def _phase_of(self, node: Node) -> str:
+        """Of the conversation: the state of a node, and what it has been asked for last."""
+        if node.state is State.INITIALISING:
+            return "silent"
+        state = str(node.state).lower() + (", error" if node.device.emergencies else "")
+        answer = sdo_answer(node.node_id)
+        if answer in self._asked:
+            return f"{state}, asked to {self._asked[answer]}"
+        return f"{state}, after {self._last[answer]}" if answer in self._last else state
 
     def _failure(self, event: PlayerEvent) -> Failure:
         what = str(event.fields["what"])
@@ -162,14 +175,15 @@ class Observer:
         return Failure(what, event.node, "" if node is None else str(node.state).lower())
 
 
-def phase_of(node: Node, asked: set[int]) -> str:
-    """Of the conversation: the state of a node, and whether it owes an answer."""
-    if node.state is State.INITIALISING:
-        return "silent"
-    state = str(node.state).lower()
-    if node.device.emergencies:
-        state += ", error"
-    return f"{state}, asked" if 0x580 + node.node_id in asked else state
+def _access(frame: Frame) -> str | None:
+    """What a request of the master begins, in words."""
+    asks = ACCESSES.get(sdo.specifier(frame.data))
+    if classify(frame.can_id) != Identifier(Cob.SDO_REQUEST, frame.can_id & 0x7F) or asks is None:
+        return None
+    return f"{asks} {address_text(sdo.address(frame.data))}"
+
+
+ACCESSES = {sdo.Ccs.UPLOAD: "read", sdo.Ccs.DOWNLOAD: "write"}
 
 
 def same(one: Any, other: Any) -> bool:

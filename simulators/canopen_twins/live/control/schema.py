@@ -140,6 +140,10 @@ class Fault:
     """What a master should see of it, if the text does not say so."""
     lasting: bool
     """Whether it stays until it is cleared, or heals."""
+    weather: str
+    """From which weather on it is to be expected: mild, rough or hostile."""
+    why: str
+    """Why it is in that weather."""
     parameters: Mapping[str, Parameter]
 
 
