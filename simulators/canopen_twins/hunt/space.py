@@ -267,7 +267,9 @@ class Space:
                 yield from ((node, name, value) for value in tried)
 
     def _settable(self, name: str, values: Sequence[Any]) -> Sequence[Any]:
-        return self._scenario.space.settings.get(name, values)
+        """Those of the file; what is declared is left out where the file names faults alone."""
+        said = self._scenario.space
+        return said.settings.get(name, values if said.faults is None else ())
 
 
 def _settings(device: Device) -> Iterator[tuple[str, About, Sequence[Any]]]:
