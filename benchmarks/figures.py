@@ -71,7 +71,7 @@ SECTIONS = {
             "the same",
             "test_frame_localnode[foreign]",
         ),
-        Figure("SDO upload request", "test_frame_twin[upload]", "the same", FRAME),
+        Figure("SDO upload request", "test_frame_twin[upload]", "the same", FRAME, Goal(ratio=0.8)),
         Figure(
             "SDO download request",
             "test_frame_twin[download]",
@@ -80,7 +80,13 @@ SECTIONS = {
         ),
         Figure("RPDO with one value", "test_frame_twin[rpdo]", UPLOAD, FRAME),
         Figure("remote request, TPDO as of the last SYNC", "test_frame_twin[rtr]", UPLOAD, FRAME),
-        Figure("SYNC, TPDO of type 1 with four values", "test_frame_twin[sync]", UPLOAD, FRAME),
+        Figure(
+            "SYNC, TPDO of type 1 with four values",
+            "test_frame_twin[sync]",
+            UPLOAD,
+            FRAME,
+            Goal(ratio=0.6),
+        ),
     ],
     "Simulated time": [
         Figure(
@@ -107,6 +113,7 @@ SECTIONS = {
             "test_set_values[inductor 4 0.1]",
             "real time",
             10.0,
+            Goal(time=0.06),
         ),
         Figure(
             "10 s, RPDO, SYNC and TPDO every 10 ms, inductor",
@@ -126,6 +133,7 @@ SECTIONS = {
             "test_governing",
             "real time",
             1200.0,
+            Goal(time=1.0),
         ),
     ],
     "Scenarios": [

@@ -17,8 +17,9 @@ NOTES = {
     "Simulated time": (
         "Whatever does not move costs nothing: the model of a settled output sleeps until somebody"
         " acts or its heat reaches a level. An output that moves is computed every millisecond."
-        " The gateway never rests: both of its units go through 64 and 62.5 main cycles a second,"
-        " and they talk to each other in each of them."
+        " Both units of the gateway go through 64 and 62.5 main cycles a second, and they talk to"
+        " each other in each of them; once engine and governor have settled, after some 20 s, they"
+        " pass in leaps from TPDO to TPDO."
     ),
     "Scenarios": (
         "Reading a file means YAML, its check against the models, and a rehearsal of every step"

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 from enum import Enum
+from operator import attrgetter
 from typing import NamedTuple
 
 from canopen_twins.devices.gateway.model.configuration import (
@@ -15,7 +16,7 @@ from canopen_twins.devices.gateway.model.configuration import (
 from canopen_twins.devices.gateway.model.errors import Assignment
 from canopen_twins.devices.gateway.model.parameters import Store
 from canopen_twins.devices.gateway.model.state import COMMUNICATING, NEXT, GatewayState, Trigger
-from canopen_twins.devices.gateway.model.timing import Watch, heartbeat_cycles
+from canopen_twins.devices.gateway.model.timing import NEVER, Watch, heartbeat_cycles
 
 BINARY_TPDOS = (1, 2, 3)
 RETRY_CYCLES = 31  # main cycles: half a second
@@ -219,12 +220,32 @@ class CanopenSide:
 
     def step(self) -> None:
         """One main cycle: the partner's heartbeat, and the health of the bus."""
-        if self.state is GatewayState.OPERATIONAL and (self._always_armed or self.partner.arrived):
+        if self._waits_for_partner:
             self.partner.step()
         failed = self.bus.failed
         self.bus.step()
         if failed and not self.bus.failed and self.state in COMMUNICATING:  # A-10
             self.bus.send(Heartbeat(self.state) if self._beats else BootUp())
+
+    @property
+    def watches(self) -> bool:
+        """Whether the partner can be missed."""
+        return bool(self.partner.limit)
+
+    @property
+    def patience(self) -> int:
+        """Main cycles until the partner is missed."""
+        return self.partner.patience if self._waits_for_partner else NEVER
+
+    def leap(self, cycles: int) -> None:
+        """So many main cycles without a heartbeat of the partner, and with a sound bus."""
+        if self._waits_for_partner:
+            self.partner.leap(cycles)
+
+    @property
+    def _waits_for_partner(self) -> bool:
+        armed = self._always_armed or self.partner.arrived
+        return self.state is GatewayState.OPERATIONAL and armed
 
     def partner_heartbeat(self) -> None:
         """A heartbeat of the watched partner, its boot-up included (A-19)."""
@@ -248,6 +269,11 @@ class CanopenSide:
             for frame in self.outputs.news():
                 self.bus.send(frame)
 
+    def send_again(self, frame: TpdoFrame) -> None:
+        """A TPDO of the governor whose values are known already."""
+        if self.operational:
+            self.bus.send(frame)
+
     def send_tpdo(self, number: int, words: tuple[int, ...]) -> None:
         """An analogue TPDO of the governor: keep its values, and send it on in Operational."""
         if self.outputs is None:
@@ -255,3 +281,9 @@ class CanopenSide:
         self.outputs.take(self.outputs.dictionary.tpdos[number].entries, words)
         if self.operational:
             self.bus.send(TpdoFrame(number, words))
+
+
+HELD = attrgetter(
+    *("state", "outputs", "bus.failed", "bus.plug.fault"), *("partner.arrived", "partner.tripped")
+)
+"""What it depends on whether a telegram of the governor becomes a frame."""

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from math import copysign, exp, pi
+from operator import attrgetter
 
 RADIANS = pi / 30  # rad/s per rpm
 SUBSTEP = 0.003125  # s, a fifth of the governor's main cycle
@@ -109,3 +110,9 @@ class Engine:
         if self.cooling_lost and self.turning:
             air += self.cooling_lost
         self.charge_air += (air - self.charge_air) * (1 - exp(-seconds / AIR_LAG))
+
+
+HELD = attrgetter("load", "connected", "starter", "fuel_cut", "oil_lost", "cooling_lost")
+"""What acts on an engine, but for the fuel."""
+MOTION = attrgetter("fuel", "position", "combustion", "speed", "oil_pressure", "charge_air")
+"""What moves in one."""

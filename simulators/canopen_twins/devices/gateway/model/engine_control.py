@@ -27,6 +27,11 @@ class GeneratorBreaker:
         self.dropped = False
         """Whether it has opened in this main cycle because the engine was overloaded."""
 
+    @property
+    def is_steady(self) -> bool:
+        """Whether it neither waits to close nor has just opened."""
+        return (self._engine.connected or not self._fast) and not self.dropped
+
     def step(self, governor: SpeedGovernor, *, blocked: bool) -> None:
         """One main cycle; blocked: an error keeps it open."""
         engine, closing = self._engine, self._operation.breaker_speed
@@ -59,6 +64,16 @@ class Alarms:
         self._running = 0  # main cycles
         self.causes = 0
         """Bit k is error 3000+k."""
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether another look finds what the last has found; none is made without an engine."""
+        return not self._running or self._running >= self._delay + self._period
+
+    def leap(self, cycles: int) -> None:
+        """So many main cycles in which nothing moves."""
+        if self._running:
+            self._running += cycles
 
     def step(self, *, running: bool) -> None:
         """One main cycle."""
@@ -105,14 +120,37 @@ class EngineControl:
         scaling: Scaling,
         governor: SpeedGovernor,
     ) -> None:
-        self._engine, self._operation, self._inputs = engine, operation, inputs
+        self.engine = engine
+        self._operation, self._inputs = operation, inputs
         self._scaling = scaling
         self.speed = governor
+        self.at_rest = False
+        """Whether all stays as it is, until somebody who knows says otherwise."""
         self._breaker = GeneratorBreaker(engine, operation, governor.cycle)
         self._alarms = Alarms(lambda: (self._oil, self._air), governor.cycle)
 
+    @property
+    def is_steady(self) -> bool:
+        """Whether nothing is waited for that comes by itself."""
+        return self.speed.is_steady and self._breaker.is_steady and self._alarms.is_steady
+
+    def run_to(self, now: int) -> None:
+        """Let the time up to `now`, in microseconds, pass for the engine."""
+        if self.at_rest:
+            self.engine.reached = now
+        else:
+            self.engine.run_to(now)
+
+    def leap(self, cycles: int) -> None:
+        """So many main cycles at rest."""
+        self.speed.leap(cycles)
+        self._alarms.leap(cycles)
+
     def step(self, present: int) -> None:
         """One main cycle; bit k of `present`: error 3000+k is reported."""
+        if self.at_rest:
+            self.leap(1)
+            return
         governor = self.speed
         droop = 0.0 if self._inputs.active(LOAD_ENABLE) else self._operation.droop
         governor.step(self._target, droop, tripped=bool(present & STOPPING))
@@ -123,7 +161,7 @@ class EngineControl:
     def causes(self) -> int:
         """What is wrong with the engine at this moment; bit k is error 3000+k."""
         causes = self._alarms.causes
-        if self._engine.speed > self._operation.overspeed:
+        if self.engine.speed > self._operation.overspeed:
             causes |= OVERSPEED
         if self._breaker.dropped:
             causes |= UNDERSPEED
@@ -144,7 +182,7 @@ class EngineControl:
 
     def states(self, present: int) -> Mapping[str, bool]:
         """What the bits of 2000h:07 tell (A-33)."""
-        speed, governor = self._engine.speed, self.speed
+        speed, governor = self.engine.speed, self.speed
         running = governor.mode is Mode.RUNNING
         return {
             "stopped": speed < STANDSTILL,
@@ -153,14 +191,14 @@ class EngineControl:
             "idle": running and abs(speed - IDLE_SPEED) <= IDLE_BAND,
             "setpoint reached": running and abs(speed - governor.reference) <= SETPOINT_BAND,
             "running down": governor.mode is Mode.STOPPING,
-            "load connected": self._engine.power > 0,
+            "load connected": self.engine.power > 0,
             "overspeed stop": bool(present & OVERSPEED),
         }
 
     @property
     def measurements(self) -> dict[int, Callable[[], float]]:
         """What the governor measures, in the units of the parameters."""
-        engine = self._engine
+        engine = self.engine
         return {
             2000: lambda: engine.speed,
             2031: lambda: self.speed.setpoint,
@@ -173,11 +211,11 @@ class EngineControl:
 
     @property
     def _oil(self) -> float:
-        return self._sensed(OIL, self._engine.oil_pressure)
+        return self._sensed(OIL, self.engine.oil_pressure)
 
     @property
     def _air(self) -> float:
-        return self._sensed(AIR, self._engine.charge_air)
+        return self._sensed(AIR, self.engine.charge_air)
 
     def _sensed(self, sensor: int, local: float) -> float:
         internal = self._inputs.value(sensor)

@@ -1,6 +1,7 @@
 """Gateway, the control unit of type CM: obeys master and governor, and carries PDOs over."""
 
 from functools import partial
+from operator import attrgetter
 from typing import Any
 
 from canopen_twins.devices.gateway.model import errors
@@ -150,6 +151,27 @@ class GatewayProgramme(Programme):
                 self.clear()
         self._tell_change()
 
+    # At rest: see `settled`
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether the next main cycle does again what this one has done, as far as it knows."""
+        return self._ready and self.canopen.listening and self.can.is_steady
+
+    @property
+    def patience(self) -> int:
+        """Main cycles until the partner is missed; NEVER if it is not waited for."""
+        return self.canopen.patience
+
+    def leap(self, cycles: int, heard: int | None) -> None:
+        """Main cycles at rest; the governor is heard at a moment, us, or not at all."""
+        if cycles:
+            self._received.clear()
+        if heard is not None:
+            self.can.hear(heard)
+        self.canopen.leap(cycles)
+        self._cycles += cycles
+
     def _enter(self, trigger: Trigger) -> None:
         before = self.state
         self.canopen.handle(trigger)
@@ -179,3 +201,10 @@ class Gateway(ControlUnit[GatewayProgramme]):
     def start(self) -> GatewayProgramme:
         """The programme, as it begins."""
         return GatewayProgramme(self, self.plug, self._around)
+
+
+HELD = attrgetter(
+    *("_told", "_initialisation.session", "errors.own", "errors.partner"),
+    *("_pulses", "_blocked"),
+)
+"""What the main cycles of a programme depend on."""

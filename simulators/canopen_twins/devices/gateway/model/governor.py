@@ -1,7 +1,8 @@
 """Governor, the control unit of type DC: governs the engine, initialises the gateway, has PDOs."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
+from operator import attrgetter
 from typing import Any
 
 from canopen_twins.devices.gateway.model import errors
@@ -28,7 +29,7 @@ from canopen_twins.devices.gateway.model.noise import Noise
 from canopen_twins.devices.gateway.model.parameters import Unit
 from canopen_twins.devices.gateway.model.speed_governor import Operation, SpeedGovernor
 from canopen_twins.devices.gateway.model.state import GatewayState
-from canopen_twins.devices.gateway.model.timing import microseconds
+from canopen_twins.devices.gateway.model.timing import NEVER, microseconds
 from canopen_twins.devices.gateway.model.unit import ControlUnit, Programme, Surroundings, Tables
 
 SPEED = 2000  # as the pick-up measures it (A-59)
@@ -67,6 +68,7 @@ class GovernorProgramme(Programme):
             tpdo.number: [(self._reader(n), scaling.of(n)) for n in tpdo.sources.values()]
             for tpdo in self._tpdos
         }
+        self._constant = all(self._is_constant(n) for t in self._tpdos for n in t.sources.values())
         self._served = 0  # main cycles
         self._met = False  # the gateway was heard since the reset
 
@@ -82,7 +84,7 @@ class GovernorProgramme(Programme):
 
     def tick(self) -> None:
         """One main cycle."""
-        self._engine.run_to(self.time.now)
+        self.control.run_to(self.time.now)
         self._lead_gateway()
         self._evaluate_inputs()
         self.control.step(self.unit.memory.present)
@@ -131,8 +133,56 @@ class GovernorProgramme(Programme):
         self._served += 1
         for tpdo in self._tpdos:
             if self._served % tpdo.period == 0:
-                words = [scale.internal(read()) for read, scale in self._words[tpdo.number]]
-                self.can.send(TpdoData(tpdo.number, tuple(words)))
+                self.can.send(TpdoData(tpdo.number, self.words(tpdo.number)))
+
+    def _is_constant(self, number: int) -> bool:
+        """Whether a parameter is as it was while nothing moves: no clock, no noise."""
+        if number == SPEED and self._noise.peak:
+            return False
+        return self.unit.parameters[number].writable or number in self.live
+
+    # At rest: see `settled`
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether the next main cycle does again what this one has done, as far as it knows."""
+        led = self.handshake.phase is Phase.RUN and self._constant
+        return led and self.can.is_steady and self.control.is_steady
+
+    @property
+    def cycles_to_tpdo(self) -> int:
+        """Main cycles up to the next in which a TPDO is sent; NEVER if there is none."""
+        return min((t.period - self._served % t.period for t in self._tpdos), default=NEVER)
+
+    @property
+    def patience(self) -> int:
+        """Main cycles until something is missed; NEVER if nothing is waited for."""
+        return self.inputs.patience if self.state is GatewayState.OPERATIONAL else NEVER
+
+    def tpdos_in(self, cycles: int) -> Iterator[int]:
+        """The TPDOs of the next main cycles, one after the other."""
+        for served in range(self._served + 1, self._served + cycles + 1):
+            yield from (tpdo.number for tpdo in self._tpdos if served % tpdo.period == 0)
+
+    def tpdos_among(self, cycles: int) -> Iterator[int]:
+        """The same, each but once."""
+        served = self._served + cycles
+        yield from (t.number for t in self._tpdos if served % t.period < cycles)
+
+    def words(self, number: int) -> tuple[int, ...]:
+        """What a TPDO tells at this moment."""
+        return tuple(scale.internal(read()) for read, scale in self._words[number])
+
+    def leap(self, cycles: int, last: int, heard: int) -> None:
+        """Main cycles at rest; the last of them, and when the gateway was heard, in us."""
+        if cycles:
+            self._engine.reached = last
+        self.can.hear(heard)
+        self.control.leap(cycles)
+        if self.state is GatewayState.OPERATIONAL:
+            self.inputs.leap(cycles)
+        self._served += cycles
+        self._cycles += cycles
 
     def _reader(self, number: int) -> Callable[[], float]:
         if self.unit.parameters[number].writable:
@@ -195,3 +245,10 @@ class Governor(ControlUnit[GovernorProgramme]):
         self.engine.run_to(self.time.now)
         self.engine.let_go()
         super().power_off()
+
+
+HELD = attrgetter(
+    *("handshake.state", "handshake.phase", "errors.own", "errors.partner"),
+    *("_pulses", "inputs.usable"),
+)
+"""What the main cycles of a programme depend on."""

@@ -6,6 +6,7 @@ the interface at its end, if the node numbers match. What is wrong is at a plug,
 
 from collections import deque
 from dataclasses import dataclass, field
+from operator import attrgetter
 from typing import NamedTuple
 
 from canopen_twins.devices.gateway.model.configuration import InitPart, Refusal
@@ -122,6 +123,11 @@ class Direction:
     """When the next telegram arrives, us; NEVER if none is on its way."""
     _underway: deque[tuple[int, Telegram]] = field(default_factory=deque, init=False)
 
+    @property
+    def underway(self) -> bool:
+        """Whether there is a telegram on its way."""
+        return bool(self._underway)
+
     def send(self, telegram: Telegram) -> None:
         """Put a telegram on its way, or lose it."""
         if self.cut:
@@ -226,10 +232,15 @@ class HeinzmannCan:
             and not self._wiring.receive_overflow
         )
 
-    def hear(self) -> None:
-        """Note that the partner is alive."""
-        self._last_heard = self._time.now
+    def hear(self, at: int | None = None) -> None:
+        """Note that the partner is alive, or was `at` a moment, us."""
+        self._last_heard = self._time.now if at is None else at
         self._heard = True
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether the partner is heard, and hears us."""
+        return self.connected and not self._disturbed
 
     @property
     def silent(self) -> bool:
@@ -266,3 +277,9 @@ class HeinzmannCan:
             2410: active >> 16,
             2411: active & 0xFFFF,
         }[number]
+
+
+WIRING = attrgetter("bus_fault", "transmit_overflow", "receive_overflow", "duplicate")
+DIRECTION = attrgetter("delay", "cut", "drop")
+LINK = attrgetter("disturbed")
+"""What becomes of a telegram, besides the programmes that send and receive it."""

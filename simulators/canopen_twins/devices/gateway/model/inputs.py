@@ -1,5 +1,7 @@
 """CANopen sensors and switch functions in the governor, and their monitoring (9.6, 9.7)."""
 
+from operator import attrgetter
+
 from canopen_twins.devices.gateway.model import errors
 from canopen_twins.devices.gateway.model.configuration import (
     SENSORS,
@@ -9,7 +11,7 @@ from canopen_twins.devices.gateway.model.configuration import (
     switch_functions,
 )
 from canopen_twins.devices.gateway.model.parameters import Store
-from canopen_twins.devices.gateway.model.timing import Watch
+from canopen_twins.devices.gateway.model.timing import NEVER, Watch
 
 SWITCHES, FLAGS = 1, 3  # words of RPDO1 (4.2.1)
 
@@ -46,6 +48,7 @@ class Inputs:
         self.functions = {each.number: each for each in switch_functions(settings)}
         limits = monitoring(settings, cycle)
         self.rpdos = {number: Rpdo(limit) for number, limit in enumerate(limits, start=1)}
+        self._watched = [rpdo for rpdo in self.rpdos.values() if rpdo.limit]
         self.usable = False
         """Operational, and the partner's heartbeat is not missed."""
 
@@ -63,6 +66,21 @@ class Inputs:
         """One main cycle in Operational."""
         for rpdo in self.rpdos.values():
             rpdo.step()
+
+    @property
+    def watches(self) -> bool:
+        """Whether an RPDO can be missed."""
+        return bool(self._watched)
+
+    @property
+    def patience(self) -> int:
+        """Main cycles in Operational until an RPDO is missed."""
+        return min((rpdo.patience for rpdo in self._watched), default=NEVER)
+
+    def leap(self, cycles: int) -> None:
+        """So many main cycles in Operational without any of them."""
+        for rpdo in self._watched:
+            rpdo.leap(cycles)
 
     @property
     def tripped(self) -> bool:
@@ -103,3 +121,7 @@ class Inputs:
         if function is None or not self.usable or not binary.arrived or binary.tripped:
             return False
         return function.active(binary.word(SWITCHES))
+
+
+HELD = attrgetter("words", "arrived", "tripped")
+"""What is known of an RPDO."""

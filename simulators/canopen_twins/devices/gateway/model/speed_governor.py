@@ -1,8 +1,9 @@
 """Speed governor: starts the engine, holds its speed, and takes its fuel away. Assumed (A-47)."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import Enum
+from operator import attrgetter
 
 from canopen_twins.devices.gateway.model.engine import RATED_POWER, STANDSTILL, Engine
 
@@ -114,6 +115,15 @@ class SpeedGovernor:
             self.setpoint = IDLE_SPEED
             engine.fuel = START_FUEL if self.mode is Mode.CRANKING else 0.0
 
+    @property
+    def is_steady(self) -> bool:
+        """Whether no time-out runs."""
+        return self.mode in (Mode.STOPPED, Mode.RUNNING)
+
+    def leap(self, cycles: int) -> None:
+        """So many main cycles at rest."""
+        self._passed += cycles
+
     def _meet(self, condition: Condition) -> None:
         before = self.mode
         self.mode = NEXT[before].get(condition, before)
@@ -169,3 +179,10 @@ class SpeedGovernor:
             integral = self._integral + GAIN * deviation / INTEGRAL_TIME * self.cycle
             self._integral = min(max(0.0, integral), 1.0)
         return fuel
+
+
+HELD = attrgetter("mode", "failure", "_armed")
+"""What a governor is about."""
+MOTION = attrgetter("setpoint", "reference", "_integral", "_derivative", "_deviation")
+"""What moves in one."""
+OPERATION = attrgetter(*(field.name for field in fields(Operation)))

@@ -12,6 +12,7 @@ from canopen_twins.devices.gateway.model.engine import Engine
 from canopen_twins.devices.gateway.model.gateway import Gateway
 from canopen_twins.devices.gateway.model.governor import Governor
 from canopen_twins.devices.gateway.model.parameters import Unit
+from canopen_twins.devices.gateway.model.settled import Settled
 from canopen_twins.devices.gateway.model.state import GatewayState, MasterCommand
 from canopen_twins.devices.gateway.model.timing import NEVER, microseconds
 from canopen_twins.devices.gateway.model.unit import Options, Surroundings, Tables
@@ -33,6 +34,7 @@ class System:
         self._units: tuple[Governor | Gateway, ...] = (self.governor, self.gateway)
         self._to_gateway = self.link.to[Unit.GATEWAY]
         self._to_governor = self.link.to[Unit.GOVERNOR]
+        self._settled = Settled(self.governor, self.gateway, self.link, self._time)
 
     def configure(self, content: Mapping[str, Mapping[Any, Any]]) -> None:
         """Deliver both units with these parameters, by number or name; acts at their next reset.
@@ -80,10 +82,13 @@ class System:
             ValueError: not such a multiple.
         """
         end = self._time.now + microseconds(dt)
+        if self._settled.at_rest():
+            self._settled.leap(end)
         while (due := self._due) <= end:
             self._time.now = due
             self._act(due)
         self._time.now = end
+        self._settled.look()
 
     @property
     def rest(self) -> float:
@@ -91,8 +96,10 @@ class System:
 
         A main cycle of the governor and what it hears are noticed when a telegram has come over.
         """
-        hidden = min(self.governor.due, self._to_governor.due)
-        due = min(self.gateway.due, self._to_gateway.due, hidden + self._to_gateway.delay)
+        due = self._settled.due if self._settled.at_rest() else None
+        if due is None:
+            hidden = min(self.governor.due, self._to_governor.due)
+            due = min(self.gateway.due, self._to_gateway.due, hidden + self._to_gateway.delay)
         return (due - self._time.now) / 1_000_000 if due < NEVER else inf
 
     @property
@@ -105,6 +112,7 @@ class System:
             self.gateway.receive(self._to_gateway.arrive())
         while self._to_governor.due == now:
             self.governor.receive(self._to_governor.arrive())
+        self._settled.at_rest()  # which what has arrived may end
         for unit in self._units:
             if unit.due == now:
                 unit.act()

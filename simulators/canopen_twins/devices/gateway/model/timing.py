@@ -36,6 +36,15 @@ class Watch:
         """It has come."""
         self.arrived, self.tripped, self._age = True, False, 0
 
+    @property
+    def patience(self) -> int:
+        """Main cycles without it until it is missed; NEVER if it is already, or not watched."""
+        return NEVER if self.tripped or not self.limit else self.limit - self._age + 1
+
+    def leap(self, cycles: int) -> None:
+        """So many main cycles without it, fewer than `patience`."""
+        self._age += cycles
+
     def step(self) -> None:
         """One main cycle without it."""
         self._age += 1

@@ -8,6 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
+from operator import attrgetter
 from typing import Any, ClassVar, Generic, TypeVar
 
 from canopen_twins.devices.gateway.model import errors
@@ -137,6 +138,10 @@ class Programme(ABC):
             causes |= errors.bit(errors.CAN_OPEN)
         self.unit.memory.update(causes)
 
+    def cycles_since_alive(self, cycles: int) -> int:
+        """How long ago the partner will have been told that we are alive, so many from now."""
+        return (self._cycles + cycles - 1) % ALIVE_CYCLES
+
     @property
     def alive_due(self) -> bool:
         """Whether this is one of the cycles in which the partner is told that we are alive."""
@@ -246,6 +251,15 @@ class ControlUnit(ABC, Generic[P]):
         if self.programme is not None:
             self.programme.receive(telegram)
 
+    def after(self, cycles: int) -> int:
+        """When the last of the next main cycles is due, us."""
+        return self.due + (cycles - 1) * self.cycle
+
+    def cycles_until(self, end: int) -> tuple[int, int]:
+        """How many main cycles are due up to a moment, us, and when the last of them is."""
+        ticks = (end - self.due) // self.cycle + 1 if self.due <= end else 0
+        return ticks, self.due + (ticks - 1) * self.cycle
+
     @property
     def live(self) -> Mapping[int, Callable[[], float]]:
         """The measurements of the running programme, by number."""
@@ -302,3 +316,7 @@ class ControlUnit(ABC, Generic[P]):
         if number not in self.inner_faults:
             raise ValueError(f"error {number} is no inner error of the {self.which.value}")
         return errors.bit(number)
+
+
+HELD = attrgetter("programme", "supply", "_failing", "memory.present")
+"""What a unit is about, and what is wrong within it."""
