@@ -85,6 +85,7 @@ COMMANDS: Mapping[str, Mapping[str, str]] = {
     "compare": {
         "compare": "hold a trace of real devices against their twins, 1 if they differ",
     },
+    "decode": {"decode": "print a trace in words, with the names of dictionaries"},
     "shell": {
         "completion": "print what completes commands, options and devices in a shell",
         "man": "print the page of the manual",

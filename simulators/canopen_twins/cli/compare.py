@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from collections.abc import Mapping
 from pathlib import Path
 
 from canopen_twins import devices
 from canopen_twins.cli.command import DEVICE, FAILED, OK, Parser, add_device, device_settings
+from canopen_twins.cli.tolerances import add_tolerances, tolerances
 from canopen_twins.cli.traces import add_trace_options, opened, tell_damage
 from canopen_twins.device.device import Device
 from canopen_twins.errors import UserError
@@ -35,17 +35,6 @@ def add_compare(parser: Parser) -> None:
     text = "write a bench file with the settings that fit best, and what it needs beside it"
     parser.add_argument("--fit", type=Path, metavar="FILE", help=text)
     parser.set_defaults(command=compare)
-
-
-def add_tolerances(parser: Parser) -> None:
-    """How far a device and its twin may be apart."""
-    parser.add_argument("--time", metavar="TIME", help="a time may be off by (default: 5ms)")
-    text = "a measured value may be off by: 1%%, or 3 for digits (default: not at all)"
-    parser.add_argument("--value", metavar="SHARE", help=text)
-    text = "a share of its frames the trace may lack (default: none)"
-    parser.add_argument("--lost", metavar="SHARE", help=text)
-    text = "YAML: time, value, and objects with tolerances of their own"
-    parser.add_argument("--tolerances", type=Path, metavar="FILE", help=text)
 
 
 def compare(options: argparse.Namespace) -> int:
@@ -95,27 +84,6 @@ def _write(path: Path, content: str) -> None:
         write_whole(path, content)
     except OSError as failure:
         raise UserError(f"{path} cannot be written: {failure.strerror}") from failure
-
-
-def tolerances(options: argparse.Namespace, nodes: Iterable[Device]) -> Tolerances:
-    """What the options say; they have the last word.
-
-    Raises:
-        UserError: a time or a share that is none, or a mistake in the file.
-    """
-    # pydantic, which only a file needs
-    from canopen_twins.record.compare import tolerance_file as files  # noqa: PLC0415
-
-    allowed = Tolerances()
-    if options.tolerances is not None:
-        allowed = files.read_tolerances(options.tolerances, nodes)
-    if options.time is not None:
-        allowed = replace(allowed, time=files.time_of(options.time))
-    if options.value is not None:
-        allowed = replace(allowed, value=files.allowed_of(options.value))
-    if options.lost is not None:
-        allowed = replace(allowed, lost=files.share_of(options.lost))
-    return allowed
 
 
 def participants(options: argparse.Namespace) -> Specs:

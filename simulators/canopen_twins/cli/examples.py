@@ -43,6 +43,7 @@ EXAMPLES: Mapping[str, Sequence[str]] = {
     "new-device": ("new-device pump",),
     "replay": ("replay kept",),
     "diff": ("diff before after", "diff before.log after.log"),
+    "decode": ("decode field.log --eds 5=topcon",),
     "compare": ("compare topcon -n 5 field.log",),
     "vcan": ("vcan -- candump vcan0", "vcan --out kept -- sh -eu ci/master.sh"),
     "completion": (

@@ -8,8 +8,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from canopen_twins.cli.command import FAILED, OK, PLOT, Parser
-from canopen_twins.record import Recorded, Side, differences, record, reproduce
+from canopen_twins.cli.traces import add_trace_options, opened, tell_damage
+from canopen_twins.record import Likeness, Recorded, Side, differences, record, reproduce
+from canopen_twins.record.compare.tolerance_file import time_of
+from canopen_twins.record.differences import MASTERS, SLAVES
 from canopen_twins.record.plot import Plot
+from canopen_twins.record.trace_reader import Trace
 from canopen_twins.scenario import print_frames
 
 log = logging.getLogger(__name__)
@@ -47,11 +51,25 @@ def add_diff(parser: Parser) -> None:
     """diff."""
     for name in ("a", "b"):
         parser.add_argument(name, type=Path, metavar=name.upper(), help="a record, or a trace")
+    parser.add_argument("--time", metavar="TIME", help="a time may be off by, such as 5ms")
+    text = "one direction, by the predefined connection set"
+    parser.add_argument("--only", choices=(SLAVES, MASTERS), default="", help=text)
+    add_trace_options(parser)
     parser.set_defaults(command=diff)
 
 
 def diff(options: argparse.Namespace) -> int:
     """Whether they are the same, or the first difference in words."""
-    same, told = differences(Side.of("A", options.a), Side.of("B", options.b))
+    time = time_of(options.time) if options.time is not None else 0
+    traces: list[Trace] = []
+
+    def open_trace(path: Path) -> Trace:
+        traces.append(opened(options, path))
+        return traces[-1]
+
+    sides = Side.of("A", options.a, open_trace), Side.of("B", options.b, open_trace)
+    same, told = differences(*sides, Likeness(time, options.only))
     print(told)
+    for trace in traces:
+        tell_damage(trace)
     return OK if same else FAILED

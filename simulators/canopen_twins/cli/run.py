@@ -31,6 +31,7 @@ from canopen_twins.cli.command import (
 from canopen_twins.cli.control import Control, add_control, controlled
 from canopen_twins.cli.participants import participants_of, title
 from canopen_twins.cli.results import Announcer, add_recording, add_reports, recording
+from canopen_twins.cli.tolerances import add_tolerances
 from canopen_twins.cli.words import StateOnDemand, add_words, telling
 from canopen_twins.device.device import Device
 from canopen_twins.device.node import Node
@@ -71,6 +72,9 @@ def add_run(parser: Parser) -> None:
     parser.add_argument("--stalls", choices=[str(each) for each in Stalls], help=text)
     text = "end with exit code 2 when another node on the bus has one of our node ids (on a hub)"
     parser.add_argument("--exclusive", action=argparse.BooleanOptionalAction, help=text)
+    text = "beside the real device: send nothing, and tell where the device differs from its twin"
+    parser.add_argument("--shadow", action="store_true", help=text)
+    add_tolerances(parser)
     add_parent(parser)
     add_reports(parser)
     add_recording(parser)
@@ -86,7 +90,14 @@ def run(options: argparse.Namespace) -> int:
     command; without either 0, or 130 by SIGINT.
     """
     with held(options.nvram) if options.nvram else nullcontext(), catch_signals() as signals:
-        return _run(options, signals)
+        return (_shadow if options.shadow else _run)(options, signals)
+
+
+def _shadow(options: argparse.Namespace, signals: Signals) -> int:
+    # comparing needs pydantic, which a run without a file does not
+    from canopen_twins.cli.shadow import run_shadow  # noqa: PLC0415
+
+    return run_shadow(options, signals)
 
 
 class Prepared(NamedTuple):

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import islice
+from itertools import chain, islice
+from operator import eq
 from pathlib import Path
 from typing import Generic, NamedTuple, TypeVar
 
 from canopen_twins.bus.clock import MICROSECONDS
+from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.identifiers import Cob, classify
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node, wait_for_boot
 from canopen_twins.diagnosis.decoder import Decoder
@@ -36,19 +39,24 @@ class Side:
 
     name: str
     recorded: Recorded | None
-    trace: Path
+    frames: Iterable[TimedFrame]
 
     @classmethod
-    def of(cls, name: str, path: Path) -> Side:
-        """A record, if it is a directory.
+    def of(
+        cls,
+        name: str,
+        path: Path,
+        open_trace: Callable[[Path], Iterable[TimedFrame]] = read_frames,
+    ) -> Side:
+        """A record, if it is a directory; of others `open_trace` gives the frames.
 
         Raises:
             UserError: it is neither a record nor a file.
         """
         if path.is_dir():
             recorded = Recorded(path)
-            return cls(name, recorded, recorded.trace)
-        return cls(name, None, path)
+            return cls(name, recorded, read_frames(recorded.trace))
+        return cls(name, None, open_trace(path))
 
     def tell(self, sent: TimedFrame) -> str:
         """A frame with its time, in words as far as the devices are known."""
@@ -82,16 +90,52 @@ class Side:
         return Decoder(segment.nodes)
 
 
-def differences(left: Side, right: Side) -> tuple[bool, str]:
+SLAVES, MASTERS = "slaves", "masters"
+OF_SLAVES = (Cob.EMCY, Cob.TPDO, Cob.SDO_ANSWER, Cob.HEARTBEAT, Cob.LSS_ANSWER)
+CLOCKS_APART = MICROSECONDS  # microseconds; two traces begin at times of their own
+
+
+@dataclass(frozen=True)
+class Likeness:
+    """What is compared of two runs, and what is as good as the same."""
+
+    time: int = 0
+    """Microseconds."""
+    only: str = ""
+    """`SLAVES` or `MASTERS`, by the predefined connection set; empty for both directions."""
+
+    def wanted(self, sent: TimedFrame) -> bool:
+        """Whether a frame is compared."""
+        if not self.only:
+            return True
+        known = None if sent.frame.extended else classify(sent.frame.can_id)
+        of_slave = known is not None and known.cob in OF_SLAVES and not sent.frame.remote
+        return of_slave is (self.only == SLAVES)
+
+    def same(self, one: TimedFrame, other: TimedFrame) -> bool:
+        """Whether two frames are as good as the same."""
+        return one.frame == other.frame and abs(one.tick - other.tick) <= self.time
+
+
+EXACT = Likeness()
+
+
+def differences(left: Side, right: Side, likeness: Likeness = EXACT) -> tuple[bool, str]:
     """Whether two runs are the same, and what there is to say about it.
+
+    Traces of two clocks are compared from the first frame on that both have.
 
     Raises:
         UserError: one of them cannot be read to its end.
     """
-    frames = compare(read_frames(left.trace), read_frames(right.trace))
+    wanted = (filter(likeness.wanted, side.frames) for side in (left, right))
+    later, ours, theirs = _one_clock(*wanted)
+    frames = compare(ours, theirs, likeness.same)
+    apart = f"{right.name} has a clock {later / MICROSECONDS:.6f} s ahead, which is left out\n"
+    told_apart = apart if later else ""
     if frames:
-        return False, "\n".join(_frames(frames, left, right))
-    told = f"the same {_count(frames.common, 'frame')}"
+        return False, told_apart + "\n".join(_frames(frames, left, right))
+    told = f"{told_apart}the same {_count(frames.common, 'frame')}"
     if left.recorded is None or right.recorded is None:
         return True, told
     events = compare(left.recorded.events, right.recorded.events)
@@ -101,6 +145,22 @@ def differences(left: Side, right: Side) -> tuple[bool, str]:
         return False, "\n".join([told, *lines])
     told = f"{told} and {_count(events.common, 'event')}"
     return True, "\n".join([told, *_inputs(left, right)])
+
+
+def _one_clock(
+    left: Iterator[TimedFrame], right: Iterator[TimedFrame]
+) -> tuple[int, Iterator[TimedFrame], Iterator[TimedFrame]]:
+    """How far the clock of the right is ahead, and both as that of the left has it."""
+    heads = [list(islice(side, AHEAD)) for side in (left, right)]
+    ticks: dict[Frame, int] = {}
+    for sent in heads[1]:
+        ticks.setdefault(sent.frame, sent.tick)
+    common = (ticks[sent.frame] - sent.tick for sent in heads[0] if sent.frame in ticks)
+    later = next(common, 0)
+    whole = chain(heads[0], left), chain(heads[1], right)
+    if abs(later) <= CLOCKS_APART:
+        return 0, *whole
+    return later, whole[0], (sent._replace(tick=sent.tick - later) for sent in whole[1])
 
 
 class Difference(NamedTuple, Generic[Item]):
@@ -120,12 +180,17 @@ class Difference(NamedTuple, Generic[Item]):
         return bool(self.left or self.right)
 
 
-def compare(left: Iterable[Item], right: Iterable[Item]) -> Difference[Item]:
+def compare(
+    left: Iterable[Item], right: Iterable[Item], same: Callable[[Item, Item], bool] = eq
+) -> Difference[Item]:
     """Read both as far as they are the same."""
     ours, theirs = iter(left), iter(right)
     before: deque[Item] = deque(maxlen=BEFORE)
     common = 0
-    while (one := tuple(islice(ours, 1))) == (other := tuple(islice(theirs, 1))) != ():
+    while True:
+        one, other = tuple(islice(ours, 1)), tuple(islice(theirs, 1))
+        if not (one and other and same(one[0], other[0])):
+            break
         before.extend(one)
         common += 1
     ahead = (*one, *islice(ours, AHEAD)), (*other, *islice(theirs, AHEAD))
@@ -216,7 +281,8 @@ def _other_line(left: Recorded, right: Recorded) -> Iterator[str]:
     """The first line of the scenarios that is another one."""
     if left.manifest.scenario is None or right.manifest.scenario is None:
         return
-    found = compare(*(side.scenario.read_bytes().splitlines() for side in (left, right)))
+    ours, theirs = (side.scenario.read_bytes().splitlines() for side in (left, right))
+    found = compare(ours, theirs)
     if found:
         place = f"line {found.common + 1} of the scenario"
         yield f"{place}: {_first(found.left)} / {_first(found.right)}"

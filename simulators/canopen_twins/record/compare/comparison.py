@@ -89,6 +89,14 @@ class Comparison:
         if not any(taken):
             self.segment.send(frame)
 
+    def pass_time(self, tick: int) -> None:
+        """Nothing has come up to a microsecond."""
+        now = self.timeline.advance(tick)
+        for beside in self._besides.values():
+            beside.follow(now)
+        if now - self._settled >= SETTLED:
+            self.settle(now)
+
     def _hurry(self, tick: int, beside: Beside) -> None:
         """The device is silent: at the end of its time the twin is asked all the same."""
         early = self.timeline.relative(tick) - int(beside.dialogue.due)

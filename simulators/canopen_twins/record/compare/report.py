@@ -18,6 +18,12 @@ def text(agreement: Agreement) -> str:
     return "\n".join(line for part in parts for line in part(agreement))
 
 
+def summary(agreement: Agreement) -> str:
+    """The same without the differences, which have been told."""
+    parts = (_head, _rows, _unexercised)
+    return "\n".join(line for part in parts for line in part(agreement))
+
+
 def _head(agreement: Agreement) -> Iterator[str]:
     yield from agreement.remarks
     told = f"{agreement.agreed} of {agreement.total} agree"
