@@ -125,7 +125,7 @@ def test_the_free_search_depends_on_its_seed_alone(tmp_path, monkeypatch):
     (tmp_path / "my_master.py").write_text(CAREFUL)
     (tmp_path / "contract.yaml").write_text(CONTRACT)
     contract = Contract(Path("contract.yaml"), "my_master:main")
-    events, _ = events_of(contract.scenario(Plan()))
+    events, _ = events_of(contract, contract.scenario(Plan()))
 
     def played(seed):
         results = free.search(free.Batch(contract, events, seed, frozenset(), frozenset()))
@@ -244,3 +244,58 @@ def test_every_fault_of_every_device_says_in_which_weather_it_comes():
     known = connect(Segment(), Device(), "").faults.known
     assert known.keys() == WEATHER.keys()
     assert {weather.least for weather in WEATHER.values()} <= set(WEATHERS)
+
+
+def test_several_processes_find_the_same(hunted, tmp_path):
+    found = []
+    for jobs in ("1", "2"):
+        (tmp_path / jobs).mkdir()
+        hunted(BRITTLE, "--runs", "14", "--jobs", jobs, "--finds", jobs)
+        found.append({file.read_text() for file in (tmp_path / jobs).iterdir()})
+    assert found[0]
+    assert found[0] <= found[1]  # those that were asked for are played
+
+
+COMMAND = """\
+import sys
+import time
+
+import can
+
+with can.Bus() as bus:  # where it is says the environment
+    while True:
+        bus.send(can.Message(arbitration_id=0x605, data=bytes.fromhex("4023200000000000"),
+                             is_extended_id=False))
+        answer = bus.recv(1.0)
+        while answer is not None and answer.arbitration_id != 0x585:
+            answer = bus.recv(1.0)
+        if answer is None or answer.data[0] == 0x80:
+            sys.exit(3)
+        time.sleep(0.05)
+"""
+
+
+def test_a_master_of_any_language_is_hunted_in_real_time(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "master.py").write_text(COMMAND)
+    (tmp_path / "contract.yaml").write_text("""\
+version: 1
+node: {device: topcon, node_id: 5}
+duration: 1.5
+space: {faults: [sdo_abort]}
+steps:
+  - at: 0
+    expect: {frame: "605#40*", from: master, within: 1.5}
+""")
+    command = [sys.executable, "master.py"]
+    assert main(["hunt", "contract.yaml", "--runs", "3", "--", *command]) == 1
+    assert "master.py: has ended with exit code 3" in capsys.readouterr().out
+    (find,) = tmp_path.glob("hunt-*.twin.yaml")
+    assert "master" not in yaml.safe_load(find.read_text())
+    code = main(["run", "--scenario", find.name, "--hub", "--", *command])
+    assert (code, "has ended with exit code 3" in capsys.readouterr().out) == (1, True)
+
+
+def test_one_master_is_tested(hunted):
+    code, told = hunted(CAREFUL, "--", "true")
+    assert (code, "one master is tested" in told) == (2, True)

@@ -20,12 +20,11 @@ from canopen_twins.hunt.report import as_html, summary
 from canopen_twins.hunt.results import Results
 from canopen_twins.hunt.run import Result
 from canopen_twins.hunt.search import Map, in_turn
-from canopen_twins.hunt.workers import Pool
+from canopen_twins.hunt.workers import MOST_JOBS, Pool
 from canopen_twins.scenario.verdict import as_junit
 
 PERIOD = 0.5  # seconds of real time from one line of progress to the next
 WIDTH = 60
-MOST_JOBS = 1024
 FILES = ("json", "html", "junit")
 
 

@@ -31,7 +31,8 @@ EXAMPLES: Mapping[str, Sequence[str]] = {
     ),
     "hunt": (
         "hunt contract.yaml --master my_master:main",
-        "hunt contract.yaml --master my_master:main --seconds 600 --finds finds",
+        "hunt contract.yaml --master my_master:main --seconds 600 --jobs 2 --finds finds",
+        "hunt contract.yaml --seconds 1800 -- ./master {interface} {channel}",
     ),
     "conform": ("conform topcon", "conform drive.eds -n 5 -i socketcan -c vcan0"),
     "campaign": (

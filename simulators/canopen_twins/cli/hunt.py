@@ -3,6 +3,8 @@
 import argparse
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO
 
@@ -12,8 +14,9 @@ from canopen_twins.cli.results import add_reports
 from canopen_twins.errors import UserError
 from canopen_twins.files.whole import report_file, write_whole
 from canopen_twins.hunt.report import Report, as_html, as_json, as_verdict, lines
-from canopen_twins.hunt.search import SECONDS
+from canopen_twins.hunt.search import SECONDS, Map, in_turn, lost
 from canopen_twins.hunt.search import hunt as search
+from canopen_twins.hunt.workers import MOST_JOBS, Pool
 from canopen_twins.scenario.verdict import as_junit
 
 PERIOD = 0.5  # seconds of real time from one line of progress to the next
@@ -22,11 +25,18 @@ WIDTH = 78
 
 def add_hunt(parser: Parser) -> None:
     """hunt."""
+    parser.epilog = (
+        "With -- COMMAND in place of --master, a process of any language is tested in real time: it"
+        " is started anew for every run, and told of its bus as by run."
+    )
+    parser.takes_command = True
     parser.add_argument("contract", metavar="CONTRACT", type=Path, help="a scenario file")
     add_master(parser)
     parser.add_argument("--runs", type=int, metavar="N", help="play so many runs")
     text = f"search so long ({SECONDS:g} if nothing is said)"
     parser.add_argument("--seconds", type=seconds, metavar="S", help=text)
+    text = "processes that play at once (1)"
+    parser.add_argument("--jobs", type=int, default=1, metavar="N", help=text)
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="where chance begins")
     text = "where finds are written, and those of before are played first"
     parser.add_argument("--finds", type=Path, metavar="DIR", help=text)
@@ -45,19 +55,36 @@ def hunt(options: argparse.Namespace) -> int:
     for file in (options.html, options.junit):
         if file is not None:
             report_file(file)
+    if options.words and options.master:
+        raise UserError("one master is tested: --master or a COMMAND, not both")
     line = Progress(sys.stderr)
-    report = search(
-        options.contract,
-        options.master or "",
-        runs=options.runs,
-        seconds=options.seconds,
-        seed=options.seed,
-        folder=options.finds,
-        tell=line.tell,
-    )
+    with workers(options.jobs) as play:
+        report = search(
+            options.contract,
+            options.master or "",
+            command=options.words,
+            runs=options.runs,
+            seconds=options.seconds,
+            seed=options.seed,
+            folder=options.finds,
+            play=play,
+            tell=line.tell,
+        )
     line.close()
     _tell(report, options)
     return OK if report.ok else FAILED
+
+
+@contextmanager
+def workers(jobs: int) -> Iterator[Map]:
+    """Where runs are played."""
+    if not 1 <= jobs <= MOST_JOBS:
+        raise UserError(f"--jobs {jobs} is not in 1..{MOST_JOBS}")
+    if jobs == 1:
+        yield in_turn
+    else:
+        with Pool(jobs, lost) as pool:
+            yield pool
 
 
 def _tell(report: Report, options: argparse.Namespace) -> None:

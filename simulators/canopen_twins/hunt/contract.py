@@ -77,6 +77,10 @@ class Contract:
 
     file: Path
     master: str = ""
+    command: tuple[str, ...] = ()
+    """A master in another process, beside twins in real time; none: it is a function."""
+    hub: str = ""
+    """Where its buses are."""
 
     def text(
         self, plan: Plan, named: Mapping[str, object] | None = None, folder: Path | None = None
@@ -93,7 +97,9 @@ class Contract:
             pairs[key] = node_of(value)
         if plan.seed is not None:
             pairs["seed"] = node_of(plan.seed)
-        if self.master:
+        if self.command:
+            pairs.pop("master", None)
+        elif self.master:
             pairs["master"] = node_of(self.master)
         if plan.left_out and isinstance(steps := pairs.get("steps"), yaml.SequenceNode):
             kept = [each for n, each in enumerate(steps.value) if n not in plan.left_out]

@@ -12,7 +12,9 @@ from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.files.writer import Verbatim
-from canopen_twins.scenario import Player, Scenario, Verdict, play
+from canopen_twins.hunt.contract import Contract
+from canopen_twins.hunt.run import judged
+from canopen_twins.scenario import Player, Scenario, Verdict
 from canopen_twins.scenario.bus_events import BusEvent, BusEvents, Changed, Sent, Wrote
 from canopen_twins.scenario.matchers import COMMAND_LENGTH, NAMES
 from canopen_twins.scenario.targets import Target
@@ -140,9 +142,9 @@ def _command(frame: Frame, node: Node) -> str | None:
     return NAMES.get(frame.data[0]) if frame.data[1] in (ALL_NODES, node.node_id) else None
 
 
-def events_of(scenario: Scenario) -> tuple[Events, Verdict]:
+def events_of(contract: Contract, scenario: Scenario) -> tuple[Events, Verdict]:
     """What happens in a run of it, and its verdict."""
     recorder = EventRecorder()
-    verdict = play(scenario, observers=[recorder.attach])
+    verdict = judged(contract, scenario, recorder.attach)
     recorder.events.seconds = verdict.seconds
     return recorder.events, verdict

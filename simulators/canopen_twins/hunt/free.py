@@ -7,6 +7,7 @@ as Hypothesis wants the score of a plan to depend on nothing but the plan.
 from __future__ import annotations
 
 import io
+import time
 from collections.abc import Callable
 from contextlib import redirect_stderr, redirect_stdout, suppress
 from dataclasses import dataclass
@@ -36,6 +37,8 @@ class Batch:
     """What is not looked for any more."""
     seen: frozenset[Cell]
     """Where something has gone wrong already."""
+    until: float | None = None
+    """When it has to be over, as `time.time()`."""
 
 
 class Enough(BaseException):
@@ -50,7 +53,7 @@ def search(batch: Batch) -> list[Result]:
     def judge(plan: Plan) -> None:
         if plan.key in played:
             return
-        if len(played) >= RUNS:
+        if len(played) >= RUNS or (batch.until is not None and time.time() >= batch.until):
             raise Enough
         result = played[plan.key] = run(batch.contract, plan)
         target(float(len(set(result.cells) - batch.seen)), label="cells")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import logging
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from hashlib import sha256
@@ -17,7 +17,7 @@ from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
 from canopen_twins.hunt.contract import Contract, Plan
-from canopen_twins.scenario import Kind, Player, Verdict, play
+from canopen_twins.scenario import Kind, Outcome, Player, Scenario, Verdict, play
 from canopen_twins.scenario.run_log import PlayerEvent
 from canopen_twins.scenario.step_sequence import NEVER_CAME, UNDECIDED
 from canopen_twins.slave.dictionary import address_text
@@ -71,6 +71,8 @@ class Result:
 VACUOUS = (NEVER_CAME.seen, UNDECIDED.seen)
 """What says nothing of a master that something has kept from getting there."""
 NOT_REACHED = "not reached"
+COMMAND = "the command "
+"""What a master in another process is called in a verdict."""
 
 
 def run(contract: Contract, plan: Plan) -> Result:
@@ -80,13 +82,8 @@ def run(contract: Contract, plan: Plan) -> Result:
     except UserError as refusal:
         return Result(plan, error=str(refusal))
     observer = Observer()
-    with quiet():
-        verdict = play(scenario, observers=[observer.attach])
-    errors = [
-        each
-        for each in verdict.outcomes
-        if each.kind is Kind.ERROR and each.seen not in VACUOUS and NOT_REACHED not in each.seen
-    ]
+    verdict = judged(contract, scenario, observer.attach)
+    errors = [each for each in verdict.outcomes if each.kind is Kind.ERROR and not _is_void(each)]
     failures = () if errors else tuple(dict.fromkeys(observer.failures))
     return Result(
         plan,
@@ -98,6 +95,29 @@ def run(contract: Contract, plan: Plan) -> Result:
         observer.fired,
         verdict if failures else None,
     )
+
+
+def _is_void(outcome: Outcome) -> bool:
+    """Whether an error is none of the contract: it has not come to something, or was ended."""
+    is_vacuous = outcome.seen in VACUOUS or NOT_REACHED in outcome.seen
+    return is_vacuous or outcome.what.startswith(COMMAND)
+
+
+def _is_failure(event: PlayerEvent) -> bool:
+    return event.fields["verdict"] == Kind.FAIL or str(event.fields["what"]).startswith(COMMAND)
+
+
+def judged(
+    contract: Contract, scenario: Scenario, observer: Callable[[Segment[Node], Player], None]
+) -> Verdict:
+    """The verdict of one run, in simulated time or beside the command of the contract."""
+    with quiet():
+        if not contract.command:
+            return play(scenario, observers=[observer])
+        # few hunts have one
+        from canopen_twins.hunt.real_time import play_beside  # noqa: PLC0415
+
+        return play_beside(scenario, contract.command, contract.hub, [observer])
 
 
 @contextmanager
@@ -152,7 +172,7 @@ class Observer:
             self._phase = self._phase_of(self._nodes[event.node])
         elif event.kind == "inject":
             self.cells.append(Cell(str(event.fields["fault"]), self._phase))
-        elif event.kind == "outcome" and event.fields["verdict"] == Kind.FAIL:
+        elif event.kind == "outcome" and _is_failure(event):
             self.failures.append(self._failure(event))
 
     def _phase_of(self, node: Node) -> str:
@@ -167,6 +187,8 @@ class Observer:
 
     def _failure(self, event: PlayerEvent) -> Failure:
         what = str(event.fields["what"])
+        if what.startswith(COMMAND):
+            return Failure(f"{what} {event.fields['seen']}", "", "")
         ended = self._player.ended
         if what.startswith("master ") and ended is not None:
             kind = ended.words.partition(":")[0]

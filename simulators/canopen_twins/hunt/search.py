@@ -6,7 +6,8 @@ What is found is shrunk and written at once, and the search goes on for others.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from itertools import islice
@@ -19,9 +20,10 @@ from canopen_twins.hunt.contract import Contract, Plan
 from canopen_twins.hunt.events import Events, events_of
 from canopen_twins.hunt.find import SUFFIX, Find, write_find
 from canopen_twins.hunt.report import Report
-from canopen_twins.hunt.run import Failure, Result, quiet, run
-from canopen_twins.hunt.shrink import Shrinker
+from canopen_twins.hunt.run import Failure, Result, run
+from canopen_twins.hunt.shrink import MOST_IN_REAL_TIME, MOST_RUNS, Shrinker
 from canopen_twins.hunt.space import Space
+from canopen_twins.live.hub_process import hub_process
 from canopen_twins.scenario import Verdict
 
 Item = TypeVar("Item")
@@ -52,11 +54,12 @@ class Budget:
 
     def __init__(self, runs: int | None = None, seconds: float | None = None) -> None:
         self._runs = runs
-        self._end = None if seconds is None else time.monotonic() + seconds
+        self.until = None if seconds is None else time.time() + seconds
+        """As `time.time()`; None: however long it takes."""
 
     def left(self, runs: int) -> bool:
         """Whether there is some left after so many runs."""
-        if self._end is not None and time.monotonic() >= self._end:
+        if self.until is not None and time.time() >= self.until:
             return False
         return self._runs is None or runs < self._runs
 
@@ -108,17 +111,18 @@ class Hunt:
 
     def _without_faults(self) -> tuple[Events, Space]:
         scenario = self._contract.scenario(Plan())
-        if scenario.master is None:
+        if scenario.master is not None:
+            scenario.master.check()
+        elif not self._contract.command:
             raise UserError(f"{scenario.file}: who is tested? Say --master MODULE:FUNCTION")
-        scenario.master.check()
-        with quiet():
-            events, verdict = events_of(scenario)
+        events, verdict = events_of(self._contract, scenario)
         if not verdict.ok:
             raise BrokenContract(broken(verdict))
         again = run(self._contract, Plan())
         self.report.count(again)
         self._traces.add(again.trace)
-        if run(self._contract, Plan()).trace != again.trace:
+        is_simulated = not self._contract.command
+        if is_simulated and run(self._contract, Plan()).trace != again.trace:
             raise BrokenContract(
                 f"{scenario.file}: two runs without any fault are not the same: the master depends"
                 " on something that is not in simulated time"
@@ -135,7 +139,7 @@ class Hunt:
     def _try_known(self) -> None:
         """The finds of before; what still fails is not looked for again."""
         for path in self._known:
-            result = run(Contract(path, self._contract.master), Plan())
+            result = run(replace(self._contract, file=path), Plan())
             self.report.count(result)
             if result.error:
                 raise UserError(f"{path}: {result.error}")
@@ -172,7 +176,8 @@ class Hunt:
     def _pursue(self, result: Result, failure: Failure) -> None:
         """Make a file of it, as simple as it can be."""
         play = partial(run, self._contract)
-        shrinker = Shrinker(failure, play, self._contract.steps)
+        most = MOST_RUNS if not self._contract.command else MOST_IN_REAL_TIME
+        shrinker = Shrinker(failure, play, self._contract.steps, most)
         plan = shrinker.shrink(result.plan)
         result = play(plan)
         self.report.runs += shrinker.runs + 1
@@ -204,11 +209,19 @@ class Hunt:
             while self._left:
                 cells = frozenset((*self.report.passed, *self.report.failed))
                 known = frozenset(self._failures)
-                yield Batch(self._contract, events, self._chance.getrandbits(32), known, cells)
+                drawn, until = self._chance.getrandbits(32), self._budget.until
+                yield Batch(self._contract, events, drawn, known, cells, until)
 
         for results in self._play(search, batches()):
             for result in results:
                 self._take(result)
+
+
+def lost(item: object) -> Any:
+    """What came of a plan or of a batch that ends every process, or takes for ever."""
+    if isinstance(item, Plan):
+        return Result(item, error="its process has ended with it, or it took for ever")
+    return []
 
 
 def broken(verdict: Verdict) -> str:
@@ -230,6 +243,7 @@ def hunt(  # noqa: PLR0913 - what can be chosen
     seconds: float | None = None,
     seed: int = 1,
     folder: Path | None = None,
+    command: Sequence[str] = (),
     play: Map = in_turn,
     tell: Callable[[Report], None] = lambda report: None,
 ) -> Report:
@@ -242,6 +256,8 @@ def hunt(  # noqa: PLR0913 - what can be chosen
         seconds: How long it goes on, in real time.
         seed: Where chance begins.
         folder: Where finds are written, and those of before are played; None: here, and none.
+        command: A program and its arguments in place of a master in Python, beside twins in real
+            time on buses of their own.
         play: Where runs are played.
         tell: Called with the report after every run.
 
@@ -257,13 +273,14 @@ def hunt(  # noqa: PLR0913 - what can be chosen
     if runs is None and seconds is None:
         seconds = SECONDS
     known = [] if folder is None else sorted(folder.glob(f"*{SUFFIX}"))
-    budget, contract = Budget(runs, seconds), Contract(file, master)
-    return Hunt(
-        contract,
-        seed=seed,
-        budget=budget,
-        folder=folder or Path(),
-        known=known,
-        play=play,
-        tell=tell,
-    ).hunt()
+    with hub_process() if command else nullcontext() as hub:
+        contract = Contract(file, master, tuple(command), "" if hub is None else str(hub))
+        return Hunt(
+            contract,
+            seed=seed,
+            budget=Budget(runs, seconds),
+            folder=folder or Path(),
+            known=known,
+            play=play,
+            tell=tell,
+        ).hunt()

@@ -12,7 +12,7 @@ from typing import Any
 from canopen_twins.hunt.contract import Disturbance, Plan
 from canopen_twins.hunt.run import Failure, Result
 
-MOST_RUNS = 200
+MOST_RUNS, MOST_IN_REAL_TIME = 200, 12
 ROUND = (1.0, 2.0, 5.0, 10.0, 0.5, 0.2, 0.1, 3.0, 4.0, 20.0, 0.05, 0.02, 0.01)
 """Times, the roundest first."""
 
@@ -22,11 +22,12 @@ Play = Callable[[Plan], Result]
 class Shrinker:
     """Knows what has been played already, and how often it may play on."""
 
-    def __init__(self, failure: Failure, play: Play, steps: int) -> None:
+    def __init__(self, failure: Failure, play: Play, steps: int, most: int = MOST_RUNS) -> None:
         self.runs = 0
         self._failure = failure
         self._play = play
         self._steps = steps
+        self._most = most
         self._known: dict[str, bool] = {}
 
     def shrink(self, plan: Plan) -> Plan:
@@ -45,7 +46,7 @@ class Shrinker:
 
     def _fails(self, plan: Plan) -> bool:
         if plan.key not in self._known:
-            if self.runs >= MOST_RUNS:
+            if self.runs >= self._most:
                 return False
             self.runs += 1
             self._known[plan.key] = self._failure in self._play(plan).failures

@@ -25,6 +25,7 @@ AHEAD = 3
 """Items asked for before the first of them is done, for each process."""
 DEATHS = 3
 """Of processes with one item, after which it is to blame."""
+MOST_JOBS = 1024
 PATIENCE = 300.0  # seconds of real time for one item
 SIZE = 8  # bytes before each message
 
