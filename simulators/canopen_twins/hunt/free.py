@@ -101,7 +101,7 @@ def _fault(space: Space, option: Option) -> st.SearchStrategy[Any]:
     return st.builds(
         option.at,
         st.sampled_from(space.moments[option.node]),
-        st.sampled_from(option.parameters),
+        st.sampled_from(option.parameters + option.aims),
         st.sampled_from(option.lengths),
     )
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from itertools import product, zip_longest
 from math import isfinite
-from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
+from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
 
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.device import Device
@@ -38,6 +38,8 @@ class Limits(NamedTuple):
     """Whether all of them do."""
 
 
+Item = TypeVar("Item")
+
 LIMITS: Mapping[str, Limits] = {
     "mild": Limits(1, 0.2, 1, heals=True),
     "rough": Limits(2, 2.0, 3, heals=True),
@@ -47,8 +49,10 @@ TIMES = (0.01, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
 """Round ones, of faults and for moments."""
 MOMENTS = (0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 OF_TIME = ("seconds", "pause")
-BY_AIM = ("nth", "probability", "burst", "seed")
+BY_AIM = ("nth", "probability", "burst", "seed", "frame")
 MOST_WORDS, MOST_OBJECTS = 3, 16
+AIMS = 6
+"""Of one fault, which are tried one after the other; its others are tried beside them."""
 HEX = ("code", "number", "cob_id", "value")
 TIMINGS: Mapping[str, Sequence[Any]] = {
     "timing": ("typical", "worst"),
@@ -71,6 +75,8 @@ class Option:
     fault: str
     parameters: tuple[Mapping[str, Any], ...]
     """Simple first."""
+    aims: tuple[Mapping[str, Any], ...]
+    """The same at one frame or one access each: those of the run without any fault."""
     lengths: tuple[float | None, ...]
     """Seconds; None: as long as it takes to be struck, or until everything heals."""
 
@@ -111,18 +117,31 @@ class Space:
     def singles(self) -> Iterator[Plan]:
         """Every one of them by itself, round by round: what is simple, and early, comes first."""
         yield from (Plan(settings=(each,)) for each in self.deliveries)
-        sources = [self._of(option) for option in self.options]
+        sources = [source for option in self.options for source in self._of(option)]
         sources += [self._set(*change) for change in self.changes]
         for together in zip_longest(*sources):
             yield from (Plan((each,)) for each in together if each is not None)
 
-    def _of(self, option: Option) -> Iterator[Disturbance]:
+    def _of(self, option: Option) -> Iterator[Iterator[Disturbance]]:
+        """What is aimed at comes at its own time: there other aims are worth more than moments."""
         moments = self.moments[option.node]
-        choices = product(
-            enumerate(moments), enumerate(option.parameters), enumerate(option.lengths)
-        )
-        ranked = sorted(choices, key=lambda each: each[0][0] + 3 * each[1][0] + 4 * each[2][0])
-        for (_, moment), (_, parameters), (_, length) in ranked:
+        yield self._ranked(option, spread(moments), option.parameters, (1, 3, 4))
+        for first in range(0, len(option.aims), AIMS):
+            aims = option.aims[first : first + AIMS]
+            yield self._ranked(option, moments, aims, (AIMS, 1, 2 * AIMS))
+
+    def _ranked(
+        self,
+        option: Option,
+        moments: Sequence[Disturbance],
+        given: Sequence[Mapping[str, Any]],
+        weights: tuple[int, int, int],
+    ) -> Iterator[Disturbance]:
+        """Weights say how much a later moment, later parameters and a later length count."""
+        choices = product(enumerate(moments), enumerate(given), enumerate(option.lengths))
+        for (_, moment), (_, parameters), (_, length) in sorted(
+            choices, key=lambda each: sum(w * n for w, (n, _) in zip(weights, each, strict=True))
+        ):
             yield option.at(moment, parameters, length)
 
     def _set(self, node: str, key: str, value: object) -> Iterator[Disturbance]:
@@ -188,21 +207,22 @@ class Space:
                     return None
                 base[key] = values[0]
         counted = "times" in fault.parameters
-        variants = [{**base, "times": 1} if counted else base]
+        variants = [{**base, "times": 1}, base] if counted else [base]  # all, while it lasts
         for key, told in fault.parameters.items():
             for value in self._values(node, key, told):
                 variants.append({**variants[0], key: value})
-        variants += self._accesses(node, fault, variants[0])
+        aims = [*self._frames(node, fault, variants[0]), *self._accesses(node, fault, variants[0])]
         lengths: list[float | None] = [None]
         if fault.clear is not None:
             lengths += [each for each in TIMES if each <= self.limits.longest][::-2]
-        if counted:
-            variants.append(base)  # all of them while it lasts
-        taken = [each for each in _unique(variants) if self._is_taken(node, name, each)]
+        taken, aimed = (
+            tuple(each for each in _unique(some) if self._is_taken(node, name, each))
+            for some in (variants, aims)
+        )
         if not taken:
             self.left_out[name] = "the device takes none of the values that are known to be tried"
             return None
-        return Option(node, self._several, name, tuple(taken), tuple(lengths))
+        return Option(node, self._several, name, taken, aimed, tuple(lengths))
 
     def _is_taken(self, node: str, fault: str, parameters: Mapping[str, Any]) -> bool:
         """Whether the device takes it, without power."""
@@ -220,7 +240,6 @@ class Space:
         longest = min(told.high, self.limits.longest)
         known: Mapping[str, Sequence[Any]] = {
             "times": range(1, self.limits.losses + 1),
-            "frame": [*self.events.frames.get(node, {})][:MOST_OBJECTS],
             **dict.fromkeys(OF_TIME, tuple(t for t in TIMES if told.low <= t <= longest)),
             **dict.fromkeys(BY_AIM, ()),
         }
@@ -233,6 +252,16 @@ class Space:
             taken = (told.kind(each) for each in (told.low, told.high, middle))
             return [_number(key, each) for each in dict.fromkeys(taken) if each != told.default]
         return []
+
+    def _frames(self, node: str, fault: Fault, base: Mapping[str, Any]) -> list[dict[str, Any]]:
+        if "frame" not in fault.parameters:
+            return []
+        variants = []
+        for frame, times in [*self.events.frames.get(node, {}).items()][:MOST_OBJECTS]:
+            variants.append({**base, "frame": frame})
+            if len(times) > 1:
+                variants.append({**base, "frame": frame, "nth": 2})
+        return variants
 
     def _accesses(self, node: str, fault: Fault, base: Mapping[str, Any]) -> list[dict[str, Any]]:
         """Those of the master, each the first time and the last."""
@@ -297,6 +326,16 @@ def _number(key: str, value: Any) -> Any:
 
 def _plain(value: Any) -> Any:
     return int(value, 0) if isinstance(value, Verbatim) else value
+
+
+def spread(items: Sequence[Item]) -> list[Item]:
+    """The first one, the last one, the one between them, those between these, and so on."""
+    order = dict.fromkeys((0, len(items) - 1)) if items else {}
+    parts = 2
+    while len(order) < len(items):
+        order |= dict.fromkeys(len(items) * n // parts for n in range(1, parts))
+        parts *= 2
+    return [items[n] for n in order]
 
 
 def _unique(variants: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
