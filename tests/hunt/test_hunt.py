@@ -95,7 +95,7 @@ def test_what_a_lost_answer_ends_is_found_and_told_with_its_line(hunted, tmp_pat
 
 
 def test_a_find_fails_the_same_way_in_play_and_in_another_process(hunted, tmp_path, capsys):
-    hunted(HASTY, "--runs", "14")
+    hunted(HASTY, "--runs", "24")
     file = tmp_path / "hunt-1.twin.yaml"
     assert main(["play", file.name, "--json"]) == 1
     here = json.loads(capsys.readouterr().out)
@@ -113,9 +113,9 @@ def test_a_find_fails_the_same_way_in_play_and_in_another_process(hunted, tmp_pa
 
 
 def test_the_same_seed_finds_the_same(hunted, tmp_path):
-    hunted(HASTY, "--runs", "14")
+    hunted(HASTY, "--runs", "24")
     first = (tmp_path / "hunt-1.twin.yaml").read_text()
-    hunted(HASTY, "--runs", "14")
+    hunted(HASTY, "--runs", "24")
     assert (tmp_path / "hunt-2.twin.yaml").read_text() == first
 
 
@@ -164,8 +164,8 @@ def test_who_is_tested_has_to_be_said(tmp_path, capsys):
 
 def test_finds_of_before_are_played_first_and_not_written_again(hunted, tmp_path):
     (tmp_path / "finds").mkdir()
-    hunted(HASTY, "--runs", "14", "--finds", "finds")
-    code, said = hunted(HASTY, "--runs", "14", "--finds", "finds")
+    hunted(HASTY, "--runs", "24", "--finds", "finds")
+    code, said = hunted(HASTY, "--runs", "24", "--finds", "finds")
     assert (code, "finds/hunt-1.twin.yaml: still fails: back within" in said) == (1, True)
     assert len([*(tmp_path / "finds").iterdir()]) == 1
     code, said = hunted(CAREFUL, "--runs", "12", "--finds", "finds")

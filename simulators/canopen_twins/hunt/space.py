@@ -117,15 +117,19 @@ class Space:
     def singles(self) -> Iterator[Plan]:
         """Every one of them by itself, round by round: what is simple, and early, comes first."""
         yield from (Plan(settings=(each,)) for each in self.deliveries)
-        sources = [source for option in self.options for source in self._of(option)]
+        sources = [self._of(option) for option in self.options]
         sources += [self._set(*change) for change in self.changes]
+        sources += [source for option in self.options for source in self._aimed(option)]
         for together in zip_longest(*sources):
             yield from (Plan((each,)) for each in together if each is not None)
 
-    def _of(self, option: Option) -> Iterator[Iterator[Disturbance]]:
-        """What is aimed at comes at its own time: there other aims are worth more than moments."""
+    def _of(self, option: Option) -> Iterator[Disturbance]:
+        moments = spread(self.moments[option.node])
+        return self._ranked(option, moments, option.parameters, (1, 3, 4))
+
+    def _aimed(self, option: Option) -> Iterator[Iterator[Disturbance]]:
+        """It comes at its own time: there other aims are worth more than moments."""
         moments = self.moments[option.node]
-        yield self._ranked(option, spread(moments), option.parameters, (1, 3, 4))
         for first in range(0, len(option.aims), AIMS):
             aims = option.aims[first : first + AIMS]
             yield self._ranked(option, moments, aims, (AIMS, 1, 2 * AIMS))
