@@ -73,17 +73,16 @@ def live(world: World, random: Random, frames: int) -> None:
 
 def _between(world: World, random: Random) -> Iterator[Event]:
     chance = random.random()
-    if chance < 0.1:
-        yield inject(world.node.faults.known, random)
-    elif chance < 0.2:
+    if chance < 0.2:
+        yield from (inject(world.node.faults.known, random), Wait(random.choice(WAITS)))
+    elif chance < 0.3:
         yield Clear()
-    elif chance < 0.25:
+    elif chance < 0.37:
         yield from (Clear(), Power(False), Wait(6.0), Power(True), Wait(1.0))
-    elif chance < 0.35 and (changed := change(world.node.device, random)):
+    elif chance < 0.5 and (changed := change(world.node.device, random)):
         yield changed
     else:
-        yield Wait(random.choice(WAITS))
-        yield Send(Frames(world.node, random).nmt())
+        yield from (Wait(random.choice(WAITS)), Send(Frames(world.node, random).nmt()))
 
 
 if __name__ == "__main__":

@@ -50,6 +50,8 @@ class Change(NamedTuple):
     settings: Mapping[str, Any]
 
 
+OF_DEVICE = "device"  # level of faults that leave what is on the bus right
+
 Event = Send | Wait | Inject | Clear | Power | Change
 
 NMT_COMMANDS = (0x01, 0x02, 0x80, 0x81, 0x82)
@@ -72,6 +74,7 @@ class Frames:
             *(self._read,) * 4,
             *(self._write,) * 8,
             *(self._segment,) * 2,
+            self._heartbeat,
             self._garbled,
             self._block,
             self._pdo,
@@ -132,6 +135,11 @@ class Frames:
         named = sdo.multiplexer(address)
         return self._request(sdo.expedited(Ccs.DOWNLOAD, named, data, random.random() < 0.9))
 
+    def _heartbeat(self) -> Frame:
+        """A period, or none."""
+        time = self._random.choice((0, 10, 100, 500)).to_bytes(2, "little")
+        return self._request(sdo.expedited(Ccs.DOWNLOAD, sdo.multiplexer((0x1017, 0)), time))
+
     def _segment(self) -> Frame:
         """An initiate of a segmented transfer, or a segment of whatever is open."""
         random = self._random
@@ -189,8 +197,9 @@ class Frames:
 
 
 def inject(known: Mapping[str, Fault], random: Random) -> Inject:
-    """Any fault, with parameters that may be refused."""
-    name = random.choice(sorted(known))
+    """A fault, with parameters that may be refused; most leave what is on the bus right."""
+    own = sorted(name for name, fault in known.items() if fault.level == OF_DEVICE)
+    name = random.choice(own if own and random.random() < 0.7 else sorted(known))
     parameters = known[name].parameters.items()
     return Inject(
         name,

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from benchmarks.fuzz.events import Change, Clear, Event, Inject, Power, Send, Wait
+from benchmarks.fuzz.events import OF_DEVICE, Change, Clear, Event, Inject, Power, Send, Wait
 from canopen_twins import Bench
 from canopen_twins.bus import identifiers, sdo
 from canopen_twins.bus.frame import Frame
@@ -18,7 +18,6 @@ from canopen_twins.slave.object import INTEGER_TYPES
 from canopen_twins.slave.service import State
 from canopen_twins.slave.tpdo import Tpdo
 
-OF_DEVICE = "device"  # level of faults that leave what is on the bus right
 ON_THE_BUS = frozenset({State.PRE_OPERATIONAL, State.OPERATIONAL})
 BYTES = {byte: state for state, byte in STATE_BYTE.items()}
 TOGGLE = 0x80
