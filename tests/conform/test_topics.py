@@ -1,17 +1,20 @@
 """Each topic is passed by a twin that has the service; who is known to err fails."""
 
 import logging
+from collections import Counter
+from contextlib import suppress
+from random import Random
 
 import pytest
 
-from canopen_twins import devices
+from canopen_twins import Bench, devices
 from canopen_twins.bus.segment import Segment
 from canopen_twins.conform import conform, conform_twin, slave_of, topics
 from canopen_twins.conform.bus import SimulatedBus
 from canopen_twins.errors import UserError
 from canopen_twins.scenario import Kind
 from conform.full import write_full
-from conform.local_node import conform_local
+from conform.local_node import NODE_ID, conform_local, local_slave
 
 NOT_GUARDED = "7.20"
 TOPICS = {topic.number: topic for topic in topics()}
@@ -88,3 +91,31 @@ def test_a_slave_that_is_not_there_is_wrong_input():
     slave = slave_of("topcon", devices.create("topcon", node_id=5))
     with pytest.raises(UserError, match="node 5 answers no SDO request: is topcon there"):
         conform(SimulatedBus(Segment()), slave)
+
+
+def mangled(random, frame):
+    """The same frame with another length, or with other data."""
+    data = bytearray(frame.data)
+    if data and random.random() < 0.6:
+        data[random.randrange(len(data))] = random.randrange(256)
+    elif random.random() < 0.5:
+        data = data[: random.randrange(9)]
+    else:
+        data = data.ljust(8, b"\xff")
+    return frame._replace(data=bytes(data))
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_every_topic_ends_whatever_a_slave_answers(full, seed):
+    random, bench = Random(seed), Bench(full, node_id=NODE_ID)
+    bus, slave = SimulatedBus(bench.segment), local_slave(full)
+
+    def mangle(frame, onward):
+        onward(mangled(random, frame) if random.random() < 0.15 else frame)
+
+    bench.twin.node.wire.outgoing.append(mangle)
+    seen = Counter()
+    for topic in topics():
+        with suppress(UserError):  # not even the device type was answered
+            seen.update(each.kind for each in conform(bus, slave, [topic]).outcomes)
+    assert min(seen[Kind.FAIL], seen[Kind.PASS]) > 15

@@ -37,7 +37,7 @@ def register_is_empty(tester: Tester) -> None:
 def history_is_empty(tester: Tester) -> None:
     """The error history tells as many errors as it has, none of them is empty."""
     tester.need(HISTORY)
-    for subindex in range(1, tester.number(HISTORY) + 1):
+    for subindex in range(1, min(tester.number(HISTORY), 0xFE) + 1):
         if not tester.number(HISTORY, subindex) & 0xFFFF:
             raise Failed(f"0x1003:{subindex:02X} is empty, 0x1003:00 is {tester.number(HISTORY)}")
 

@@ -221,7 +221,7 @@ def _guard(tester: Tester) -> int:
     """What is answered to one request."""
     tester.forget()
     tester.send(tester.error_control, remote=True)
-    return tester.hear(tester.error_control).data[0]
+    return tester.hear(tester.error_control, length=1)[0]
 
 
 @CONTROL.topic(GUARDING)

@@ -14,6 +14,7 @@ LSS = Group(11, "LSS", "lss")
 
 SWITCHING, INQUIRING = "CiA 305, 6.3", "CiA 305, 6.5"
 CONFIGURING, IDENTIFYING = "CiA 305, 6.4", "CiA 305, 6.6"
+LENGTH = 8
 WAITING, CONFIGURATION = 0, 1
 VENDOR, PRODUCT, REVISION, SERIAL = range(1, 5)
 DONE, NOT_SUPPORTED, REFUSED = 0, 1, 1
@@ -27,7 +28,7 @@ def _ask(tester: Tester, command: int, content: bytes = b"") -> bytes:
     """The answer, which begins with a command of its own or the same."""
     tester.forget()
     _request(tester, command, content)
-    return tester.hear(LSS_ANSWER).data
+    return tester.hear(LSS_ANSWER, length=LENGTH)
 
 
 def _expect_silence(tester: Tester, what: str) -> None:
@@ -43,7 +44,7 @@ def _identity(tester: Tester) -> list[int]:
     if not tester.slave.dictionary.device_information.LSS_supported:
         raise NotApplicable("the EDS says LSS_Supported=0")
     return [
-        tester.number(0x1018, sub) if tester.entry(0x1018, sub) is not None else 0
+        tester.number(0x1018, sub) & 0xFFFFFFFF if tester.entry(0x1018, sub) is not None else 0
         for sub in (VENDOR, PRODUCT, REVISION, SERIAL)
     ]
 
@@ -58,7 +59,7 @@ def _configuring(tester: Tester) -> list[int]:
     identity = _identity(tester)
     tester.forget()
     _select(tester, identity)
-    if (answer := tester.hear(LSS_ANSWER).data)[0] != 0x44:
+    if (answer := tester.hear(LSS_ANSWER, length=LENGTH))[0] != 0x44:
         raise Failed(f"{answer.hex()} instead of 44")
     return identity
 
@@ -199,7 +200,7 @@ def is_identified(tester: Tester) -> None:
     vendor, product, revision, serial = _identity(tester)
     tester.forget()
     _identify(tester, [vendor, product, revision, revision, serial, serial])
-    if (answer := tester.hear(LSS_ANSWER).data)[0] != 0x4F:
+    if (answer := tester.hear(LSS_ANSWER, length=LENGTH))[0] != 0x4F:
         raise Failed(f"{answer.hex()} instead of 4f")
     tester.forget()
     _identify(tester, [vendor ^ 1, product, revision, revision, serial, serial])

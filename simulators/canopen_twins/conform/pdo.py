@@ -51,8 +51,11 @@ def records(tester: Tester, area: range) -> list[int]:
 
 def parts(tester: Tester, mapping: int) -> tuple[tuple[Address, int], ...]:
     """What is mapped now."""
-    values = [tester.number(mapping, sub) for sub in range(1, tester.number(mapping) + 1)]
-    return tuple(((value >> 16, value >> 8 & 0xFF), value & 0xFF) for value in values if value)
+    count = min(tester.number(mapping), LONGEST)  # 254 and 255 are multiplexed PDOs
+    values = [tester.number(mapping, sub) for sub in range(1, count + 1)]
+    return tuple(
+        ((value >> 16 & 0xFFFF, value >> 8 & 0xFF), value & 0xFF) for value in values if value
+    )
 
 
 def valid(tester: Tester, area: range) -> Iterator[Pdo]:
@@ -90,9 +93,10 @@ def obtain(tester: Tester, area: range, types: Sequence[int], settings: Settings
         NotApplicable: no PDO can be set to that.
     """
     for index in need_records(tester, area):
-        if parts(tester, index + MAPPINGS) and _obtain(tester, index, types, settings):
-            can_id = tester.number(index, COB_ID) & identifiers.CAN_ID
-            return Pdo(index, can_id, parts(tester, index + MAPPINGS))
+        mapped = parts(tester, index + MAPPINGS)
+        bits = sum(bits for _, bits in mapped)
+        if 0 < bits <= LONGEST and _obtain(tester, index, types, settings):
+            return Pdo(index, tester.number(index, COB_ID) & identifiers.CAN_ID, mapped)
     told = "".join(f" and {SETTINGS[sub]} {value}" for sub, value in settings.items())
     raise NotApplicable(f"no PDO can be set to type {_told(types)}{told}", area.start)
 

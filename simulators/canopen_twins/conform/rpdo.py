@@ -65,10 +65,10 @@ def _target(tester: Tester, types: range | list[int]) -> Target:
         if entry is not None and entry.readable and entry.data_type in entry.STRUCT_TYPES:
             before = tester.read(address)
             now = int.from_bytes(before, "little")
-            if found is None and 8 * len(before) == bits:
+            if found is None and 8 * len(before) == bits == 8 * tester.size(address):
                 found = address, before
                 now = _other(entry, before)
-            value |= now << place
+            value |= (now & (1 << bits) - 1) << place
         place += bits
     if found is None:
         raise NotApplicable("nothing that RPDOs carry can be read", RPDOS.start)

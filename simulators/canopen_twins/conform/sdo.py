@@ -343,16 +343,18 @@ def _read_in_blocks(tester: Tester, crc: bool) -> None:
     received, number, last = b"", 0, False
     while not last:
         number += 1
-        segment = tester.hear(tester.answers).data
+        segment = tester.hear(tester.answers, length=sdo.LENGTH)
         if sdo.block_number(segment) != number:
             raise Failed(f"{segment.hex()} is not segment {number} of its block")
         received += segment[1:]
+        if len(received) > len(expected) + sdo.SEGMENT_ROOM:
+            raise Failed(f"more than the {len(expected)} bytes of {address_text(address)}")
         last = bool(segment[0] & sdo.LAST_OF_BLOCKS)
         if last or number == 2:
             confirm = bytes([number, 2])
             tester.send(tester.requests, sdo.message(Ccs.BLOCK_UPLOAD, confirm, Sub.CONFIRM))
             number = 0
-    end = tester.hear(tester.answers).data
+    end = tester.hear(tester.answers, length=sdo.LENGTH)
     value = sdo.block_value(end, received)
     tester.send(tester.requests, sdo.message(Ccs.BLOCK_UPLOAD, flags=Sub.END))
     if value != expected:

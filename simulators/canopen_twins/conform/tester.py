@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 
 from canopen import ObjectDictionary
@@ -25,6 +25,7 @@ BOOT_TIME = 10.0  # seconds for a boot-up message
 HEARTBEAT = 500  # milliseconds
 SILENCE = 0.3  # seconds in which a frame would have come that must not come
 ON_ITS_WAY = 0.02  # seconds that a frame takes at most to come over a bus and a busy machine
+MOST_REQUESTS = 20_000  # of one transfer
 KEPT = 12  # frames that are told of a topic that has failed
 
 
@@ -88,15 +89,17 @@ class Tester:
             self.frames.append(frame)
             yield frame
 
-    def hear(self, can_id: int, seconds: float = PATIENCE) -> Frame:
-        """The next data frame with an identifier.
+    def hear(self, can_id: int, seconds: float = PATIENCE, length: int | None = None) -> bytes:
+        """The data of the next data frame with an identifier.
 
         Raises:
-            Failed: none has come in time.
+            Failed: none has come in time, or it has not as many bytes as it should have.
         """
         for frame in self.listen(seconds):
             if frame.can_id == can_id and not frame.remote and not frame.extended:
-                return frame
+                if length is not None and len(frame.data) != length:
+                    raise Failed(f"{frame} has {len(frame.data)} bytes instead of {length}")
+                return frame.data
         raise Failed(f"no {can_id:03X} in {seconds:g} s")
 
     def count(self, can_id: int, seconds: float) -> int:
@@ -131,9 +134,8 @@ class Tester:
             Failed: there is none.
         """
         self.nmt(command)
-        boot_up = self.hear(self.error_control, self._boot_time)
-        if boot_up.data != b"\0":
-            raise Failed(f"{boot_up} instead of a boot-up message")
+        if self.hear(self.error_control, self._boot_time) != b"\0":
+            raise Failed(f"{self.frames[-1]} instead of a boot-up message")
 
     def prepare(self) -> None:
         """As it is after a reset; who has never told that it boots is not waited for again."""
@@ -163,7 +165,7 @@ class Tester:
         """
         self.forget()
         if period:
-            told = self.hear(self.error_control, 2 * period + SILENCE).data
+            told = self.hear(self.error_control, 2 * period + SILENCE)
             if told != bytes([STATE_BYTE[state]]):
                 raise Failed(f"its heartbeat tells {told.hex()} while it should be {state.lower()}")
         elif self.is_answering() is (state is State.STOPPED):
@@ -196,9 +198,9 @@ class Tester:
         """
         self.send(self.requests, data)
         try:
-            return self.hear(self.answers).data.ljust(sdo.LENGTH, b"\0")
-        except Failed:
-            raise Failed(f"no answer to {Frame(self.requests, data)}") from None
+            return self.hear(self.answers, length=sdo.LENGTH)
+        except Failed as failure:
+            raise Failed(f"no answer to {Frame(self.requests, data)}: {failure}") from None
 
     def is_answering(self) -> bool:
         """Whether the device type can be read now."""
@@ -211,10 +213,12 @@ class Tester:
         request = next(transfer)
         named = request[1:4]
         try:
-            while True:
+            for _ in range(MOST_REQUESTS):
                 request = transfer.send(self.ask(request))
         except StopIteration as end:
             result: Answer = end.value
+        else:
+            raise Failed(f"a transfer has no end after {MOST_REQUESTS} requests")
         if result.by_client:
             self.send(self.requests, sdo.abort(named, result.code or ACCEPTED))
             raise Failed(f"{self.frames[-2]} is no answer to it")
@@ -247,7 +251,8 @@ class Tester:
     def try_write(self, address: Address, value: int | bytes) -> int:
         """The abort code with which a value is refused, 0 if it is taken."""
         if isinstance(value, int):
-            value = value.to_bytes(self.size(address), "little")
+            size = self.size(address)
+            value = (value & (1 << 8 * size) - 1).to_bytes(size, "little")
         answer = self.transfer(download(address, value))
         assert answer.code is not None
         return answer.code
@@ -310,16 +315,6 @@ class Tester:
         entry = self.entry(*address)
         codec = None if entry is None else entry.STRUCT_TYPES.get(entry.data_type or 0)
         return 4 if codec is None else int(codec.size)
-
-    @contextmanager
-    def kept(self, *addresses: Address) -> Iterator[None]:
-        """Entries have their values again afterwards, whatever has come of it."""
-        before = {address: self.read(address) for address in addresses}
-        try:
-            yield
-        finally:
-            for address, value in before.items():
-                self.try_write(address, value)
 
 
 def _shown(value: int | bytes) -> str:
