@@ -50,6 +50,8 @@ class Parser(OneLineParser):
             args = list(args)
             end = args.index("--") if "--" in args else len(args)
             self.set_defaults(words=args[end + 1 :])
+            if args[end:] == ["--"]:
+                self.error("a COMMAND is wanted behind --")
             args = args[:end]
         return super().parse_known_args(args, namespace)
 

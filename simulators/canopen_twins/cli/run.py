@@ -63,6 +63,7 @@ def add_run(parser: Parser) -> None:
         " --set says otherwise; timing=ideal is none. A scenario has its own."
     )
     parser.takes_command = True
+    parser.usage = "%(prog)s [OPTION ...] [DEVICE] [-- COMMAND ...]"
     parser.add_argument("--scenario", metavar="SCENARIO", help=SCENARIO)
     text = "keep what the device stores in a file"
     parser.add_argument("--nvram", type=Path, metavar="FILE", help=text)
