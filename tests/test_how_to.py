@@ -125,8 +125,10 @@ def test_the_master_of_the_page_about_the_hub_joins_it(tmp_path, port):
 def commands():
     """Everything the pages tell to canopen-twin."""
     for page in sorted(DOCS.rglob("*.md")):
-        for line in page.read_text("utf-8").splitlines():
-            if match := re.match(r"(?:[ -]+|[ -]+run: )?(canopen-twin [^>&]*)", line):
+        text = re.sub(r"\$\{\{.*?\}\}", "1", page.read_text("utf-8"))  # a CI service fills it in
+        for line in text.splitlines():
+            match = re.match(r"(?:[ -]+|[ -]+run: )?(canopen-twin [^>&|]*)", line)
+            if match and "[--" not in line:  # which is no command, but tells how one looks
                 yield pytest.param(match[1], id=f"{page.name}: {match[1]}")
 
 
