@@ -153,3 +153,46 @@ def _store(master):
     for _ in range(2):
         master.write(0x1010, 1, SAVE, size=4)
     master.read((0x1010, 1))
+
+
+def charging(bench):
+    """A charger: who it is, what it has behind it, high voltage and back, a reset."""
+    master = Master(bench)
+    if not bench.trace:
+        master.wait_for_boot_up()
+    master.read(*IDENTITY[:2], *IDENTITY[3:8], (0x1017, 0), (0x1003, 1), (0x2001, 5), (0x2000, 0xB))
+    master.read(*((0x2000, sub) for sub in (2, 3, 6, 7)))
+    master.write(0x1017, 0, 250)
+    master.read((0x1017, 0))
+    master.write(0x1017, 0, 500)
+    master.write(0x1010, 1, 0x12345678, size=4)
+    master.nmt(0x01)
+    master.run(1.2)
+    master.write(0x2002, 2, 8, size=1)  # CANopen may release
+    master.write(0x2002, 8, 20_000)  # V
+    master.send(0x200, "0F")
+    master.run(3)
+    master.read((0x2001, 1), (0x2001, 0xC), (0x6401, 1), (0x6401, 2))
+    master.send(0x200, "00")
+    master.write(0x2003, 1, 0x33, size=1)
+    master.run(0.5)
+    master.nmt(0x80)
+    master.run(0.3)
+    master.nmt(0x81)
+    master.wait_for_boot_up()
+    master.run(1.2)
+    master.read((0x1000, 0), (0x1017, 0))
+
+
+def governing(bench):
+    """A gateway: every object, and its TPDOs while the engine is at rest."""
+    master = Master(bench)
+    if not bench.trace:
+        master.wait_for_boot_up()
+    master.read(*((index, 0) for index in bench.remote.object_dictionary.indices if index > 0xFFF))
+    master.nmt(0x01)
+    master.run(1.0)
+    master.read((0x1001, 0), (0x2000, 0), (0x2005, 0))
+    master.nmt(0x81)
+    master.wait_for_boot_up()
+    master.run(0.5)

@@ -8,7 +8,7 @@ from canopen_twins import devices
 from canopen_twins.faults import LEVELS
 
 from .conftest import compared, told, traced
-from .masters import supply
+from .masters import charging, governing, supply
 
 SETTINGS = [
     ({"timing": "typical"}, "TPDO1 0x2022:00 Actual power: another value"),
@@ -104,6 +104,58 @@ FAULTS = [
     ("frame_corrupt", AT_TPDO, "TPDO1 0x2022:00 Actual power: another value"),
 ]
 OF_OTHERS = {"bus_load"}  # frames that no device of the comparison has sent
+
+
+CHARGERS = [
+    ({"kind": "PCMT"}, "SDO 0x1008:00 Manufacturer device name: another value"),
+    ({"variant": "A"}, "SDO 0x2000:0B: refused by one, not by the other"),
+    ({"firmware": "0200"}, "SDO 0x100A:00 Manufacturer software version: another value"),
+    ({"revision": 2}, "SDO 0x1018:03 Identity Object.Revision Number: another value"),
+    ({"load": "resistor 1000000"}, "TPDO1 0x6000:03 Read Input 8 Bit.Read Charging Current Cap"),
+    ({"ambient": 60}, "SDO 0x2001:05 Read Actual Values.Read Temperature Power Stage: another"),
+    ({"charging_hours": 100.0}, "SDO 0x2000:06 Read Operating Hours.Read Charging Hours Days"),
+    ({"heartbeat_default_ms": 2000}, "SDO 0x1017:00 Producer Heartbeat time: another value"),
+    ({"heartbeat_step": "floor"}, "Producer Heartbeat time: refused by one, not by the other"),
+    ({"tpdo3_without_discharge": "off"}, "TPDO3: only the twin sends it"),
+    ({"tpdo_on_change": True}, "TPDO2: only the device sends it"),
+    ({"signature": "any"}, "Save all Parameters: refused by one, not by the other"),
+    ({"noise": 4}, "TPDO2 0x6401:01 Read Analog Input 16 Bit.Read Voltage Charging: another"),
+    ({"faults": [("open_electrode", {})]}, "TPDO1 0x6000:03 Read Input 8 Bit.Read Charging Curr"),
+    ({"faults": [("hardware_release_lost", {})]}, "0x6000:01 Read Input 8 Bit.Read System Stat"),
+    ({"faults": [("memory_failure", {})]}, "EMCY: only the device sends it"),
+]
+GATEWAYS = [
+    ({"first_tpdo": "never"}, "TPDO2: only the twin sends it"),
+    ({"answer_time": 0.02}, "SDO answer time: another time"),
+    ({"faults": [("governor_late", {})]}, "SDO 0x2005:00 CanOpen Errors: another value"),
+    ({"faults": [("supply", {})]}, "SDO 0x1001:00 Error Register: another value"),
+]
+
+
+@pytest.mark.parametrize(("altered", "words"), CHARGERS, ids=str)
+def test_an_altered_charger_is_found(altered, words):
+    lines = told(compared(traced(charging, "charger", **altered), "charger"))
+    assert any(words in line for line in lines), lines
+
+
+@pytest.mark.parametrize(("altered", "words"), GATEWAYS, ids=str)
+def test_an_altered_gateway_is_found(altered, words):
+    lines = told(compared(traced(governing, "gateway", **altered), "gateway"))
+    assert any(words in line for line in lines), lines
+
+
+@pytest.mark.parametrize(
+    ("device", "master", "settings"),
+    [
+        ("charger", charging, {}),
+        ("charger", charging, {"timing": "typical", "variant": "A"}),
+        ("gateway", governing, {}),
+        ("gateway", governing, {"timing": "typical"}),
+    ],
+)
+def test_one_that_is_not_altered_agrees(device, master, settings):
+    agreement = compared(traced(master, device, **settings), device, **settings)
+    assert (told(agreement), agreement.share) == ([], 1.0)
 
 
 @pytest.mark.parametrize(("settings", "words"), SETTINGS, ids=str)

@@ -3,7 +3,6 @@
 from functools import cache, partial
 from random import Random
 
-import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
@@ -149,26 +148,3 @@ def test_two_nodes_of_one_bus_are_compared_at_once():
         ("left", "0x2000:00 Nominal voltage"),
         ("right", "0x1018:02 Identity Object.Product Code"),
     ]
-
-
-@pytest.mark.parametrize("device", ["charger", "gateway"])
-def test_other_devices_agree_with_themselves(device):
-    def ask(bench):
-        master = Master(bench)
-        if not bench.trace:
-            master.wait_for_boot_up()
-        master.read(*((index, 0) for index in bench.master_objects))
-        master.nmt(0x01)
-        master.run(2.0)
-        master.send(0x80, "")
-        master.nmt(0x82)
-        master.wait_for_boot_up()
-        master.run(0.5)
-        master.read((0x1000, 0), (0x1018, 1))
-
-    def asking(bench):
-        bench.master_objects = [i for i in bench.remote.object_dictionary.indices if i >= 0x1000]
-        ask(bench)
-
-    agreement = compared(traced(asking, device), device)
-    assert (told(agreement), agreement.share) == ([], 1.0)
