@@ -1,7 +1,10 @@
 """Jitter, lost lines, traffic of others, a start in the middle: no difference that is none."""
 
+from contextlib import suppress
 from functools import cache, partial
+from pathlib import Path
 from random import Random
+from tempfile import TemporaryDirectory
 
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
@@ -10,9 +13,13 @@ from canopen_twins import Bench, devices
 from canopen_twins.bus.clock import microseconds
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Record
+from canopen_twins.errors import UserError
 from canopen_twins.record.compare import Allowed, Comparison, Tolerances
+from canopen_twins.record.compare.report import text
+from canopen_twins.record.trace_reader import Trace
 
 from .conftest import compared, told, traced
+from .local_node import BLOCK
 from .masters import Master, supply
 
 FEW = settings(max_examples=4, phases=[Phase.generate])  # a trace of a seed does not shrink
@@ -148,3 +155,49 @@ def test_two_nodes_of_one_bus_are_compared_at_once():
         ("left", "0x2000:00 Nominal voltage"),
         ("right", "0x1018:02 Identity Object.Product Code"),
     ]
+
+
+COMMANDS = bytes.fromhex("402F2B236070414B4F43001001802180A4C2C6A1A3C1")
+OBJECTS = [0x1000, 0x1008, 0x1010, 0x1017, 0x1018, 0x1800, 0x2010, 0x2020, 0x6000]
+OF_THE_NODE = [0x605, 0x585, 0x605, 0x585, 0x705, 0x085, 0x185, 0x205, 0x7E4, 0x7E5, 0x000, 0x080]
+
+
+def nonsense(chance):
+    """Frames of every service, right and wrong, in any order."""
+    tick = 0
+    for _ in range(chance.randrange(20, 120)):
+        tick += chance.choice([0, 10, 500, 3000, 20_000, 200_000, 2_000_000])
+        can_id = chance.choice(OF_THE_NODE)
+        data = bytearray(chance.randbytes(chance.choice([8, 8, 8, 1, 2, 0])))
+        if can_id in (0x605, 0x585) and len(data) == 8:
+            data[0] = chance.choice(COMMANDS)
+            data[1:4] = chance.choice(OBJECTS).to_bytes(2, "little") + bytes([chance.randrange(3)])
+        if can_id == 0 and len(data) > 1:
+            data[:2] = bytes([chance.choice([1, 2, 0x80, 0x81, 0x82]), chance.choice([0, 5])])
+        yield tick, Frame(can_id, bytes(data), chance.random() < 0.05)
+
+
+@settings(max_examples=20, phases=[Phase.generate])
+@given(st.integers(0, 10_000), st.sampled_from(["topcon", "charger", "gateway", str(BLOCK)]))
+def test_whatever_is_in_a_trace_there_is_something_to_say_about_it(seed, device):
+    chance = Random(seed)
+    timing = chance.choice(["ideal", "typical", "worst"])
+    comparison = Comparison({"twin": devices.create(device, node_id=5, timing=timing)})
+    for tick, frame in nonsense(chance):
+        comparison.hear(tick, frame)
+    with suppress(UserError):
+        agreement = comparison.end()
+        assert 0 <= agreement.share <= 1
+        assert text(agreement)
+
+
+@settings(max_examples=60, phases=[Phase.generate])
+@given(
+    st.sampled_from([".log", ".asc", ".trc"]), st.text() | st.text("()0123456789ABCDEF.# can0Rxd")
+)
+def test_whatever_stands_in_a_file_is_a_frame_or_damaged(suffix, content):
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / f"any{suffix}"
+        path.write_text(content, "utf-8")
+        with suppress(UserError):
+            list(Trace(path))

@@ -25,6 +25,12 @@ def test_a_trace_without_the_node_is_told_with_those_it_has(field, said):
     assert err == "canopen-twin: the trace has nothing of node 6 (topcon), but of node 5\n"
 
 
+def test_a_trace_with_too_little_of_the_node_is_told(tmp_path, said):
+    trace = log(tmp_path / "little.log", ["(0000000001.000000) can0 705#05"])
+    code, _, err = said("compare", "topcon", "-n", "5", trace)
+    assert (code, err) == (2, "canopen-twin: the trace has too little of topcon to compare\n")
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -120,7 +120,7 @@ class Trace:
             for number, line in enumerate(chain(first, rest), 1):
                 try:
                     found = reader.read(line)
-                except (ValueError, LookupError) as damage:
+                except (ValueError, LookupError, OverflowError) as damage:
                     self._damage(number, line, damage)
                     continue
                 if found is not None:

@@ -441,8 +441,7 @@ class Beside:
                 identifiers.sdo_request(self.node.node_id),
                 sdo.message(Ccs.UPLOAD, sdo.multiplexer(sdo.address(data))),
             )
-            self.dialogue.ask(tick, request)
-            self.dialogue.add_device(tick, data)
+            self.dialogue.recover(tick, request, data)
         elif sdo.specifier(data) == Scs.DOWNLOAD:
             self._written.discard(sdo.address(data))
             self._unknown.add(sdo.address(data))

@@ -112,7 +112,7 @@ class Comparison:
         """The trace is over: what there is to say about it.
 
         Raises:
-            UserError: it has nothing of one of the nodes.
+            UserError: it has nothing of one of the nodes, or too little to compare anything.
         """
         for name, beside in self._besides.items():
             if not beside.begun:
@@ -123,6 +123,8 @@ class Comparison:
             services = self.agreement.services(name)
             lines = unexercised(beside.node, beside.exercised, services)
             self.agreement.unexercised[name] = list(lines)
+        if not self.agreement.total:
+            raise UserError(f"the trace has too little of {', '.join(self._besides)} to compare")
         self.agreement.forgive(self._tolerances.lost)
         self.agreement.remarks += self.timeline.left_out
         return self.agreement

@@ -62,7 +62,8 @@ class Transfer:
             case Scs.UPLOAD:
                 return sdo.is_expedited(last)
             case Scs.DOWNLOAD:
-                return sdo.is_expedited(self.request.data)
+                asked = self.request.data
+                return len(asked) != sdo.LENGTH or sdo.is_expedited(asked)
         return False
 
 
@@ -92,7 +93,8 @@ def outcome(answers: list[Answer]) -> Outcome:
         )
     form = {Scs.UPLOAD: "segmented", Scs.DOWNLOAD: "written"}.get(specifier, "in blocks")
     code = sdo.abort_code(aborts[0]) if aborts else None
-    rest = [each.data for each in answers[1:] if not sdo.is_abort(each.data)]
+    whole = [each.data for each in answers[1:] if len(each.data) == sdo.LENGTH]
+    rest = [data for data in whole if not sdo.is_abort(data)]
     if specifier == Scs.UPLOAD:
         told = sdo.size(first)
         form += "" if told is not None else " without its size"
@@ -190,6 +192,12 @@ class Dialogue:
         late = tick - transfer.asked > self._patience
         another = transfer.address is not None and sdo.address(data) != transfer.address
         return late and (another or transfer.is_over)
+
+    def recover(self, tick: int, request: Frame, data: bytes) -> None:
+        """The device has answered a request that the trace lacks: let the twin have it."""
+        self.ask(tick, request)
+        self._put()
+        self._open[-1].device.append(Answer(tick, data, 0))
 
     def add_twin(self, tick: int, data: bytes) -> None:
         """The twin has answered."""
