@@ -6,7 +6,8 @@ from io import StringIO
 from pathlib import Path
 from typing import NamedTuple
 
-from canopen_twins.record import Manifest, record
+from canopen_twins.record.folder import record
+from canopen_twins.record.manifest import Manifest
 from canopen_twins.record.plot.run import Run as DrawnRun
 from canopen_twins.scenario import Scenario, Verdict, load, play
 

@@ -19,8 +19,7 @@ def test_the_trace_it_shows_is_what_comes_out(capsys):
     assert main(["play", "topcon_overvoltage.yaml"]) == 0
     said = iter(capsys.readouterr().out.splitlines())
     for line in blocks("text")[0].splitlines():
-        shown = re.match(r"\(\d+\.\d+\) can0 \S+|\S+: PASS \(\d+ PASS\)", line)[0]
-        assert shown in said, shown  # `in` an iterator goes on from the last one found
+        assert line in said, line  # `in` an iterator goes on from the last one found
 
 
 def test_the_test_it_shows_passes(pytester):

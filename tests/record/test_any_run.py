@@ -8,7 +8,9 @@ from canopen_twins.bus.clock import MICROSECONDS
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Segment
 from canopen_twins.faults import connect
-from canopen_twins.record import Manifest, Recorded, Side, differences, record, reproduce
+from canopen_twins.record.differences import Side, differences
+from canopen_twins.record.folder import Recorded, record, reproduce
+from canopen_twins.record.manifest import Manifest
 
 FRAMES = [
     "000#0105",

@@ -5,7 +5,8 @@ import pytest
 
 from canopen_twins import scenario as replay
 from canopen_twins.files.shipped import scenario_file
-from canopen_twins.record import Manifest, record
+from canopen_twins.record.folder import record
+from canopen_twins.record.manifest import Manifest
 
 from .conftest import STORY
 
@@ -17,7 +18,7 @@ def events(folder):
 
 
 def test_a_record_holds_the_run_the_scenario_the_frames_and_the_events(said, story, tmp_path):
-    code, out, _ = said("play", story(), "--record", tmp_path / "record")
+    code, out, _ = said("play", "--raw", story(), "--record", tmp_path / "record")
     assert code == 0
     folder = tmp_path / "record"
     assert sorted(path.name for path in folder.iterdir()) == FILES

@@ -12,7 +12,7 @@ from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Segment
 from canopen_twins.errors import UserError
 from canopen_twins.faults import connect
-from canopen_twins.record import trace_file
+from canopen_twins.record.trace import trace_file
 from canopen_twins.scenario import print_frames
 
 SUFFIXES = [".log", ".asc", ".blf", ".trc"]

@@ -112,7 +112,10 @@ def test_a_node_that_cannot_take_part_is_pointed_at(problems, node, problem):
         ("{version: 1, steps: []}", "1:1: nothing says who takes part: a scenario"),
         ("{version: 1, node: {device: probe}}", "1:1: 'steps' is missing"),
         ("{version: 1.5, node: {device: probe}, steps: []}", "1:11: 1.5 is no whole number"),
-        ("{version: '1', node: {device: probe}, steps: []}", "1:11: '1' is no number"),
+        (
+            "{version: '1', node: {device: probe}, steps: []}",
+            "1:11: '1' stands in quotes and is a text",
+        ),
         ("{version: 1, node: {device: probe}, steps: 5}", "1:44: a list is wanted here"),
         ("{version: 1, node: {device: probe}, steps: [5]}", "1:45: a key with a value is"),
         (

@@ -77,7 +77,7 @@ def test_what_a_verb_does_not_understand_is_pointed_at(problem, step, wrong):
         ("{8192: 1}", "4:21: unknown object '8192'"),
         ("{Byte: -1}", "4:27: -1 is not in 0..255"),
         ("{Byte: one}", "4:27: 'one' is no number"),
-        ("{Byte: '1'}", "4:27: '1' is no number"),
+        ("{Byte: '1'}", "4:27: '1' stands in quotes and is a text: write 1"),
         ("{Byte: 1.5}", "4:27: 1.5 is no whole number"),
         ("{Byte: 010}", "4:27: 010 may be taken for different numbers"),
         ("{Limited: 101}", "4:30: 101 is not in -100..100; if that is the point, put the abort"),

@@ -14,6 +14,7 @@ from canopen_twins.cli.check import load
 from canopen_twins.cli.command import FAILED, OK, PLOT, SCENARIO, Parser
 from canopen_twins.cli.master import add_master, with_master
 from canopen_twins.cli.results import Announcer, add_recording, add_reports, recording
+from canopen_twins.cli.words import Words, is_coloured
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
 from canopen_twins.record.plot import Plot
@@ -29,6 +30,8 @@ def add_play(parser: Parser) -> None:
     parser.add_argument("scenarios", nargs="+", metavar="SCENARIO", help=SCENARIO)
     add_master(parser)
     add_reports(parser)
+    text = "print frames as candump does, instead of what happens in words"
+    parser.add_argument("--raw", action="store_true", help=text)
     parser.add_argument("--plot", type=Path, metavar="FILE", help=PLOT)
     add_recording(parser)
     parser.set_defaults(command=play)
@@ -60,8 +63,15 @@ def _play(
         closing(ProgressLine(sys.stderr)) as line,
     ):
         shown = sys.stderr.isatty() and not sys.stdout.isatty()  # frames say it themselves
-        everybody = [*observers, *([line.attach] if shown else []), *([plot.begin] if plot else [])]
-        verdict = simulated.play(scenario, announcer.trace, everybody, line.tell)
+        words = Words(print, is_coloured(sys.stdout), options.quiet)
+        trace = announcer.trace if options.raw else None
+        everybody = [
+            *observers,
+            *([line.attach] if shown else []),
+            *([plot.begin] if plot else []),
+            *([words.attach] if not options.raw and announcer.trace else []),
+        ]
+        verdict = simulated.play(scenario, trace, everybody, line.tell)
     announcer.tell(verdict)
     if plot is not None:
         plot.save()

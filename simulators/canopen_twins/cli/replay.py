@@ -9,9 +9,9 @@ from tempfile import TemporaryDirectory
 
 from canopen_twins.cli.command import FAILED, OK, PLOT, Parser
 from canopen_twins.cli.traces import add_trace_options, opened, tell_damage
-from canopen_twins.record import Likeness, Recorded, Side, differences, record, reproduce
 from canopen_twins.record.compare.tolerance_file import time_of
-from canopen_twins.record.differences import MASTERS, SLAVES
+from canopen_twins.record.differences import MASTERS, SLAVES, Likeness, Side, differences
+from canopen_twins.record.folder import Recorded, record, reproduce
 from canopen_twins.record.plot import Plot
 from canopen_twins.record.trace_reader import Trace
 from canopen_twins.scenario import print_frames

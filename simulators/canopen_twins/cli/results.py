@@ -18,7 +18,7 @@ from canopen_twins.scenario import Scenario, Verdict
 from canopen_twins.scenario.verdict import as_json, as_junit
 
 if TYPE_CHECKING:
-    from canopen_twins.record import Observer
+    from canopen_twins.record.trace import Observer
 
 
 def add_reports(parser: Parser) -> None:
@@ -101,7 +101,9 @@ def recording(
         yield observers
         return
     # a run that keeps nothing starts without pydantic
-    from canopen_twins.record import Manifest, device_files, record, trace_file  # noqa: PLC0415
+    from canopen_twins.record.folder import record  # noqa: PLC0415
+    from canopen_twins.record.manifest import Manifest, device_files  # noqa: PLC0415
+    from canopen_twins.record.trace import trace_file  # noqa: PLC0415
 
     with ExitStack() as stack:
         if options.trace is not None:

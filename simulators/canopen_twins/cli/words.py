@@ -19,8 +19,8 @@ from canopen_twins.device.node import Node
 from canopen_twins.diagnosis.decoder import Decoder
 from canopen_twins.diagnosis.report import SHOWN, device_report, frame_line
 from canopen_twins.diagnosis.why import why_frame
-from canopen_twins.record import Observer
 from canopen_twins.record.journal import EventLine
+from canopen_twins.record.trace import Observer
 from canopen_twins.scenario import Player, PlayerEvent
 from canopen_twins.scenario.matchers import EmcyLike
 from canopen_twins.slave.service import State
@@ -87,10 +87,10 @@ class Printer:
 
 
 class Words:
-    """Tells what happens; `quiet` leaves frames out that are as usual."""
+    """Tells what happens, a line at a time; `quiet` leaves frames out that are as usual."""
 
-    def __init__(self, printer: Printer, coloured: bool, quiet: bool) -> None:
-        self._printer = printer
+    def __init__(self, put: Callable[[str], None], coloured: bool, quiet: bool) -> None:
+        self._put = put
         self._coloured = coloured
         self._quiet = quiet
         self._records: deque[Record] = deque(maxlen=SHOWN)
@@ -134,7 +134,7 @@ class Words:
     def _tell(self, kind: str, line: str) -> None:
         if self._coloured and kind:
             line = f"\x1b[{COLOURS[kind]}m{line}\x1b[0m"
-        self._printer.put(line)
+        self._put(line)
 
 
 def is_coloured(stream: TextIO, environment: Mapping[str, str] = os.environ) -> bool:
@@ -161,7 +161,7 @@ def telling(options: argparse.Namespace) -> Iterator[Telling]:
     stream = sys.stderr if options.json else sys.stdout
     printer = Printer(stream)
     try:
-        told = Words(printer, is_coloured(stream), options.quiet)
+        told = Words(printer.put, is_coloured(stream), options.quiet)
         yield Telling((told.attach,), printer.start)
     finally:
         printer.close()

@@ -93,6 +93,8 @@ def _sections(run: Run) -> Iterator[str]:
         more = [f"... and {len(lines) - MOST_LINES} lines more"] if len(lines) > MOST_LINES else []
         told = "".join(f"<span>{escape(line)}\n</span>" for line in [*lines[:MOST_LINES], *more])
         yield f"<h2>Verdict</h2>\n<pre>{told}</pre>\n"
+    else:
+        yield "<p>no scenario</p>\n"
     yield from _emergencies(run)
     yield from _faults(run)
     yield from _frames(run)
