@@ -206,7 +206,7 @@ class Tester:
         """Whether the device type can be read now."""
         self.forget()
         self.send(self.requests, sdo.message(sdo.Ccs.UPLOAD, sdo.multiplexer((0x1000, 0))))
-        return bool(self.count(self.answers, SILENCE))
+        return any(frame.can_id == self.answers for frame in self.listen(SILENCE))
 
     def transfer(self, transfer: Transfer) -> Answer:
         """A whole SDO transfer; the client aborts what goes wrong on its side."""
