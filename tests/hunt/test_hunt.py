@@ -94,6 +94,13 @@ def test_what_a_lost_answer_ends_is_found_and_told_with_its_line(hunted, tmp_pat
     assert "not answered: the fault sdo_silence" in find["note"]
 
 
+def test_a_find_says_where_the_master_waits(hunted, tmp_path):
+    stuck = CAREFUL.replace("        pass\n", "        time.sleep(1000)\n")
+    hunted(stuck, "--runs", "14")
+    find = yaml.safe_load((tmp_path / "hunt-1.twin.yaml").read_text())
+    assert "The master waits in my_master.py:22 in keep." in find["note"], find["note"]
+
+
 def test_a_find_fails_the_same_way_in_play_and_in_another_process(hunted, tmp_path, capsys):
     hunted(HASTY, "--runs", "24")
     file = tmp_path / "hunt-1.twin.yaml"
@@ -108,8 +115,17 @@ def test_a_find_fails_the_same_way_in_play_and_in_another_process(hunted, tmp_pa
     assert json.loads(there.stdout) == here
     (outcome,) = here["scenarios"][0]["outcomes"]
     assert outcome["what"] == "back within 3 s: Voltage reference 2000, Run command 1"
-    (wrong,) = yaml.safe_load(file.read_text())["disturbances"]
-    assert "power_cycle" in wrong["inject"]
+    find = yaml.safe_load(file.read_text())
+    assert "power_cycle" in find["disturbances"][0]["inject"]
+    assert find["note"].startswith("Power_cycle")
+    assert "Expected: back within 3 s: Voltage reference 2000, Run command 1." in find["note"]
+
+
+def test_a_master_that_spins_is_a_find_too(hunted, tmp_path):
+    spins = CAREFUL.replace("        pass\n", "        while True:\n            time.monotonic()\n")
+    code, said = hunted(spins, "--runs", "14")
+    assert (code, "a loop asks for the time and never waits, at " in said) == (1, True)
+    assert "in my_master.py:23\n" in said
 
 
 def test_the_same_seed_finds_the_same(hunted, tmp_path):

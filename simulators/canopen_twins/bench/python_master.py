@@ -24,7 +24,13 @@ from typing import Any, NamedTuple
 
 import canopen
 
-from canopen_twins.bench.limits import HangError, OutOfTime, RealTimeLimit, SimulatedTimeError
+from canopen_twins.bench.limits import (
+    HangError,
+    OutOfTime,
+    RealTimeLimit,
+    SimulatedTimeError,
+    place_of,
+)
 from canopen_twins.bench.simulated_time import WALL, in_simulated_time
 from canopen_twins.bench.simulated_time.primitives import Thread
 from canopen_twins.bench.simulated_time.scheduler import Scheduler
@@ -57,6 +63,8 @@ class PythonMaster:
 
     name: str
     folders: tuple[Path, ...] = ()
+    wall: float = WALL
+    """Seconds of real time that a run of it may take."""
 
     @classmethod
     def beside(cls, name: str, file: Path) -> PythonMaster:
@@ -88,16 +96,16 @@ class PythonMaster:
         segment: Segment[Node],
         ended: Callable[[Ended], None],
         seed: int = 1,
-        wall: float = WALL,
-    ) -> Iterator[None]:
+    ) -> Iterator[Callable[[], str]]:
         """Run it while simulated time passes inside; its threads end with the block.
+
+        It gives what tells in which lines of its files its threads are.
 
         Args:
             segment: Where its bus is.
             ended: Called on the clock of the segment when it has ended otherwise than by returning,
                 or one of its threads has.
             seed: Of the chance that it finds in `random` and the like.
-            wall: Seconds of real time that it may take.
 
         Raises:
             UserError: as `check` does.
@@ -111,8 +119,8 @@ class PythonMaster:
                 with reports.of_threads():
                     Thread(target=reports.of(call), name="master").start()
                     try:
-                        with RealTimeLimit(wall, scheduler.everybody):
-                            yield
+                        with RealTimeLimit(self.wall, scheduler.everybody):
+                            yield partial(_whereabouts, scheduler, files)
                     except SimulatedTimeError as failure:
                         reports.take(failure)
                     except OutOfTime as limit:
@@ -236,6 +244,12 @@ def _call(
         return function(**{**given, network: connected})
     finally:
         connected.disconnect()
+
+
+def _whereabouts(scheduler: Scheduler, files: set[str]) -> str:
+    """In the order of their start; those of python-can are in none of its files."""
+    places = (place_of(task.thread.ident).partition(":") for task in scheduler.tasks)
+    return ", ".join(f"{Path(file).name}:{rest}" for file, _, rest in places if file in files)
 
 
 class _Reports:

@@ -15,7 +15,7 @@ from typing import Any
 from canopen_twins.errors import UserError
 from canopen_twins.files.whole import write_whole
 from canopen_twins.hunt.contract import Contract, Disturbance, Plan, what
-from canopen_twins.hunt.run import Failure, Result, run
+from canopen_twins.hunt.run import COMMAND, MASTER, Failure, Result, run
 from canopen_twins.scenario import Kind, Outcome, Verdict
 
 SUFFIX = ".twin.yaml"
@@ -49,18 +49,31 @@ def _failed(verdict: Verdict, failure: Failure) -> Outcome:
     return min(bad or failed, key=lambda each: each.time)
 
 
-def note_of(verdict: Verdict, failure: Failure, plan: Plan) -> str:
+def note_of(verdict: Verdict, failure: Failure, plan: Plan, whereabouts: str) -> str:
     """What happened, who waited for what, and why, as far as somebody knows."""
     outcome = _failed(verdict, failure)
     wrong = "; ".join([*map(_words, plan.disturbances), *map(_delivered, plan.settings)])
-    told = f"{_sentence(wrong) or 'Nothing goes wrong'}. At {outcome.time:.6g} s: {outcome.what}"
+    is_master = outcome.what.startswith((MASTER, COMMAND))
+    expected = "" if is_master else f" Expected: {outcome.what}."
+    told = f"{_sentence(wrong) or 'Nothing goes wrong'}.{expected}"
+    seen = f"At {outcome.time:.6g} s{' the master:' if is_master else ''} {outcome.seen}."
     reasons = [line.strip() for line in outcome.scene.splitlines() if "why: " in line]
     why = f" {_sentence(reasons[-1].partition('why: ')[2])}." if reasons else ""
-    return f"{told}: {outcome.seen}.{why}"
+    at = f" The master waits in {whereabouts}." if whereabouts else ""
+    return f"{told} {seen}{why}{at}"
 
 
 def _sentence(text: str) -> str:
     return text[:1].upper() + text[1:]
+
+
+WORDS = {
+    "write": "the master writes {}",
+    "nmt": "the master commands {}",
+    "emcy": "it sends EMCY {}",
+    "state": "it becomes {}",
+}
+"""Of the moments that a hunt knows."""
 
 
 def _words(told: Disturbance) -> str:
@@ -76,13 +89,10 @@ def _words(told: Disturbance) -> str:
 
 
 def _condition(when: Mapping[str, Any]) -> str:
-    nth = when.get("nth", 1)
-    told = "; ".join(
-        f"{key} {_named(value) if isinstance(value, Mapping) else value}"
-        for key, value in when.items()
-        if key != "nth"
-    )
-    return told if nth == 1 else f"{told} for the {nth}. time"
+    kind = next(key for key in WORDS if key in when)
+    value, nth = when[kind], when.get("nth", 1)
+    told = WORDS[kind].format(_named(value) if isinstance(value, Mapping) else value)
+    return told if nth == 1 else f"{told}, for the {nth}. time"
 
 
 def _named(values: Mapping[str, Any]) -> str:
@@ -102,9 +112,10 @@ def write_find(contract: Contract, result: Result, failure: Failure, folder: Pat
     """
     assert result.verdict is not None
     path = _free_name(folder)
+    whereabouts = dict(zip(result.failures, result.whereabouts, strict=True)).get(failure, "")
     named: dict[str, object] = {
         "name": f"{result.verdict.name}: {', '.join(result.plan.faults) or 'without any fault'}",
-        "note": note_of(result.verdict, failure, result.plan),
+        "note": note_of(result.verdict, failure, result.plan, whereabouts),
     }
     text = contract.text(result.plan, named, folder)
     try:

@@ -66,13 +66,15 @@ class Result:
     """How many of the disturbances have come."""
     verdict: Verdict | None = None
     """With the words; for those that have failed."""
+    whereabouts: tuple[str, ...] = ()
+    """In which lines the master was at each of the failures."""
 
 
 VACUOUS = (NEVER_CAME.seen, UNDECIDED.seen)
 """What says nothing of a master that something has kept from getting there."""
 NOT_REACHED = "not reached"
-COMMAND = "the command "
-"""What a master in another process is called in a verdict."""
+MASTER, COMMAND = "master ", "the command "
+"""What a master is called in a verdict: a function, or another process."""
 
 
 def run(contract: Contract, plan: Plan) -> Result:
@@ -84,16 +86,17 @@ def run(contract: Contract, plan: Plan) -> Result:
     observer = Observer()
     verdict = judged(contract, scenario, observer.attach)
     errors = [each for each in verdict.outcomes if each.kind is Kind.ERROR and not _is_void(each)]
-    failures = () if errors else tuple(dict.fromkeys(observer.failures))
+    failed = {} if errors else observer.failures
     return Result(
         plan,
-        failures,
+        tuple(failed),
         f"{errors[0].what}: {errors[0].seen}" if errors else "",
         observer.digest.hexdigest(),
         verdict.seconds,
         tuple(observer.cells),
         observer.fired,
-        verdict if failures else None,
+        verdict if failed else None,
+        tuple(failed.values()),
     )
 
 
@@ -138,7 +141,8 @@ class Observer:
     def __init__(self) -> None:
         self.digest = sha256()
         self.cells: list[Cell] = []
-        self.failures: list[Failure] = []
+        self.failures: dict[Failure, str] = {}
+        """With the lines in which the master was."""
         self._segment: Segment[Node]
         self._player: Player
         self._nodes: dict[str, Node] = {}
@@ -172,8 +176,13 @@ class Observer:
             self._phase = self._phase_of(self._nodes[event.node])
         elif event.kind == "inject":
             self.cells.append(Cell(str(event.fields["fault"]), self._phase))
-        elif event.kind == "outcome" and _is_failure(event):
-            self.failures.append(self._failure(event))
+        elif event.kind == "outcome" and _is_failure(event) and not self._follows(event):
+            self.failures.setdefault(self._failure(event), self._player.whereabouts())
+
+    def _follows(self, event: PlayerEvent) -> bool:
+        """Whether it has failed for want of a master, which has ended before."""
+        is_master = str(event.fields["what"]).startswith(MASTER)
+        return self._player.ended is not None and not is_master
 
     def _phase_of(self, node: Node) -> str:
         """Of the conversation: the state of a node, and what it has been asked for last."""
@@ -190,8 +199,8 @@ class Observer:
         if what.startswith(COMMAND):
             return Failure(f"{what} {event.fields['seen']}", "", "")
         ended = self._player.ended
-        if what.startswith("master ") and ended is not None:
-            kind = ended.words.partition(":")[0]
+        if what.startswith(MASTER) and ended is not None:
+            kind = ended.words.partition(":")[0].partition(", at ")[0]
             return Failure(f"{what}: {kind}", "", "", ended.place)
         node = self._nodes.get(event.node)
         return Failure(what, event.node, "" if node is None else str(node.state).lower())

@@ -5,6 +5,7 @@ What is left fails in the same way; that is asked of a run each time.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -13,6 +14,8 @@ from canopen_twins.hunt.contract import Disturbance, Plan
 from canopen_twins.hunt.run import Failure, Result
 
 MOST_RUNS, MOST_IN_REAL_TIME = 200, 12
+MOST_SECONDS = 120.0
+"""Of real time; runs that hang take long."""
 ROUND = (1.0, 2.0, 5.0, 10.0, 0.5, 0.2, 0.1, 3.0, 4.0, 20.0, 0.05, 0.02, 0.01)
 """Times, the roundest first."""
 
@@ -28,6 +31,7 @@ class Shrinker:
         self._play = play
         self._steps = steps
         self._most = most
+        self._end = time.monotonic() + MOST_SECONDS
         self._known: dict[str, bool] = {}
 
     def shrink(self, plan: Plan) -> Plan:
@@ -46,7 +50,7 @@ class Shrinker:
 
     def _fails(self, plan: Plan) -> bool:
         if plan.key not in self._known:
-            if self.runs >= self._most:
+            if self.runs >= self._most or time.monotonic() > self._end:
                 return False
             self.runs += 1
             self._known[plan.key] = self._failure in self._play(plan).failures

@@ -45,7 +45,8 @@ def play(
     nodes = {name: connect(segment, spec.create(), name) for name, spec in scenario.nodes.items()}
     player = Player(scenario, segment, nodes)
     begin(segment, player, observers if trace is None else [print_frames(trace), *observers])
-    with nullcontext() if scenario.master is None else _running(scenario, segment, player):
+    with _running(scenario, segment, player) as whereabouts:
+        player.whereabouts = whereabouts
         segment.deliver()
         finish(player, segment, progress)
     return player.verdict
@@ -53,8 +54,9 @@ def play(
 
 def _running(
     scenario: Scenario, segment: Segment[Node], player: Player
-) -> AbstractContextManager[None]:
-    assert scenario.master is not None
+) -> AbstractContextManager[Callable[[], str]]:
+    if scenario.master is None:
+        return nullcontext(lambda: "")
     return scenario.master.running(segment, player.tell_of_master, scenario.seed)
 
 

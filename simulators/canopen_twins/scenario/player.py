@@ -61,6 +61,8 @@ class Player:
         self.scenario = scenario
         self.ended: Ended | None = None
         """How the master of the file has ended, if otherwise than by returning."""
+        self.whereabouts: Callable[[], str] = lambda: ""
+        """Tells in which lines of its files the master is; empty if nobody knows."""
         self.no_master_heard = False
         """Whether nobody outside has sent anything for so long that it explains what is missed."""
         self._segment = segment

@@ -7,7 +7,7 @@ happens, and in which order, depends on the clock alone.
 
 import asyncio
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 
 from canopen_twins.bench.limits import (
@@ -144,10 +144,14 @@ class Scheduler:
         caller, running = threading.get_ident(), self._running
         return caller == self._owner or (running is not None and running.thread.ident == caller)
 
+    @property
+    def tasks(self) -> Sequence[Task]:
+        """The threads of the master that are not over, in the order of their start."""
+        return [task for task in self._tasks if not task.done]
+
     def everybody(self) -> str:
         """Where the thread that entered simulated time is, and every thread of the master."""
-        tasks = [str(task) for task in self._tasks if not task.done]
-        return "; ".join([f"it is at {place_of(self._owner)}", *tasks])
+        return "; ".join([f"it is at {place_of(self._owner)}", *map(str, self.tasks)])
 
     def changed(self) -> None:
         """Something has happened: at this moment of the clock, all that wait look again."""
