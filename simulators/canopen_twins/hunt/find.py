@@ -49,7 +49,7 @@ def _failed(verdict: Verdict, failure: Failure) -> Outcome:
     return min(bad or failed, key=lambda each: each.time)
 
 
-def note_of(verdict: Verdict, failure: Failure, plan: Plan, whereabouts: str) -> str:
+def note_of(verdict: Verdict, failure: Failure, plan: Plan, whereabouts: str = "") -> str:
     """What happened, who waited for what, and why, as far as somebody knows."""
     outcome = _failed(verdict, failure)
     wrong = "; ".join([*map(_words, plan.disturbances), *map(_delivered, plan.settings)])
