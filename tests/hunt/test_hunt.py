@@ -18,7 +18,9 @@ from canopen_twins.faults import connect
 from canopen_twins.faults.weather import WEATHER
 from canopen_twins.hunt import free
 from canopen_twins.hunt.contract import Contract, Plan
-from canopen_twins.hunt.events import events_of
+from canopen_twins.hunt.events import Events, events_of
+from canopen_twins.hunt.run import run
+from canopen_twins.hunt.space import Space
 
 CONTRACT = """\
 version: 1
@@ -315,3 +317,43 @@ steps:
 def test_one_master_is_tested(hunted):
     code, told = hunted(CAREFUL, "--", "true")
     assert (code, "one master is tested" in told) == (2, True)
+
+
+TWO = """\
+version: 1
+name: Two supplies
+nodes:
+  left: {device: topcon, node_id: 5}
+  right: {device: topcon, node_id: 6}
+duration: 2
+recovers: {within: 2, when: {node: left, state: operational}}
+steps:
+  - {at: 0, node: left, expect: {never: {emcy: {code: 0x9999}}}}
+always:
+  - {whenever: {nmt: start, node: left}, node: left, expect: {state: operational, within: 1}}
+"""
+
+
+def text_of(tmp_path, plan):
+    (tmp_path / "two.yaml").write_text(TWO)
+    return yaml.safe_load(Contract(tmp_path / "two.yaml").text(plan))
+
+
+def test_parts_of_a_contract_are_left_out_one_by_one(tmp_path):
+    whole = text_of(tmp_path, Plan())
+    assert Contract(tmp_path / "two.yaml").parts == 3
+    assert text_of(tmp_path, Plan(left_out=(0,))) == {**whole, "steps": []}
+    assert text_of(tmp_path, Plan(left_out=(1, 2))) == {
+        key: value for key, value in whole.items() if key not in ("always", "recovers")
+    }
+
+
+def test_nodes_are_tried_in_every_order(tmp_path):
+    told = text_of(tmp_path, Plan(order=("right", "left")))
+    assert [*told["nodes"]] == ["right", "left"]
+    contract = Contract(tmp_path / "two.yaml")
+    scenario = contract.scenario(Plan())
+    orders = [
+        run(contract, Plan(order=order)).trace for order in ((), *Space(scenario, Events()).orders)
+    ]
+    assert len({*orders}) == 2

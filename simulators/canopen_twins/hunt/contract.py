@@ -6,7 +6,7 @@ Whatever a hunt plays is the text that it would write as a find, so that a find 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from pathlib import Path
@@ -43,21 +43,24 @@ class Plan:
     heals: bool = True
     """Whether everything heals, so that the master has to be back."""
     left_out: tuple[int, ...] = ()
-    """Steps of the contract that are not carried out, counted from 0."""
+    """Parts of the contract that are left out: its steps, then what it always wants, then
+    `recovers`, counted from 0."""
     seed: int | None = None
     """Where chance begins, if not as the contract says."""
+    order: tuple[str, ...] = ()
+    """The nodes as they stand in the file: who comes first at one microsecond; none: as there."""
 
     @property
     def key(self) -> str:
         """What makes it this one."""
         wrong = sorted(repr(each) for each in self.disturbances)
         settings = sorted(map(repr, self.settings))
-        return repr((wrong, settings, self.heals, self.left_out, self.seed))
+        return repr((wrong, settings, self.heals, self.left_out, self.seed, self.order))
 
     @property
     def size(self) -> int:
         """How many things are beyond the contract."""
-        return len(self.disturbances) + len(self.settings)
+        return len(self.disturbances) + len(self.settings) + bool(self.order)
 
     @property
     def faults(self) -> tuple[str, ...]:
@@ -103,9 +106,10 @@ class Contract:
             pairs.pop("master", None)
         elif self.master:
             pairs["master"] = node_of(self.master)
-        if plan.left_out and isinstance(steps := pairs.get("steps"), yaml.SequenceNode):
-            kept = [each for n, each in enumerate(steps.value) if n not in plan.left_out]
-            pairs["steps"] = yaml.SequenceNode("", kept)
+        _leave_out(pairs, plan.left_out)
+        if plan.order:
+            nodes = {key.value: node for key, node in pairs["nodes"].value}
+            pairs["nodes"] = node_of({name: nodes[name] for name in plan.order})
         if plan.disturbances:
             before = pairs.get("disturbances", yaml.SequenceNode("", []))
             added = [node_of(each) for each in plan.disturbances]
@@ -133,10 +137,34 @@ class Contract:
         return replace(scenario, master=replace(scenario.master, wall=WALL))
 
     @property
-    def steps(self) -> int:
-        """How many steps it has."""
-        steps = _pairs(self.file, _stamp(self.file)).get("steps")
-        return len(steps.value) if isinstance(steps, yaml.SequenceNode) else 0
+    def parts(self) -> int:
+        """How many steps it has, with what it always wants, and `recovers`."""
+        return len(_parts(_pairs(self.file, _stamp(self.file))))
+
+
+def _parts(pairs: Mapping[str, yaml.Node]) -> list[tuple[str, int]]:
+    """By key and place; steps first."""
+    lists = {key: pairs.get(key) for key in ("steps", "always")}
+    found = [
+        (key, n)
+        for key, node in lists.items()
+        if isinstance(node, yaml.SequenceNode)
+        for n in range(len(node.value))
+    ]
+    return [*found, ("recovers", 0)] if "recovers" in pairs else found
+
+
+def _leave_out(pairs: dict[str, yaml.Node], numbers: Collection[int]) -> None:
+    gone = {part for n, part in enumerate(_parts(pairs)) if n in numbers}
+    if ("recovers", 0) in gone:
+        del pairs["recovers"]
+    for key in {key for key, _ in gone} & {"steps", "always"}:
+        node = pairs[key]
+        assert isinstance(node, yaml.SequenceNode)
+        kept = [each for n, each in enumerate(node.value) if (key, n) not in gone]
+        pairs[key] = yaml.SequenceNode("", kept)
+        if not kept and key == "always":
+            del pairs[key]
 
 
 def _stamp(file: Path) -> int:

@@ -52,7 +52,9 @@ def _failed(verdict: Verdict, failure: Failure) -> Outcome:
 def note_of(verdict: Verdict, failure: Failure, plan: Plan, whereabouts: str = "") -> str:
     """What happened, who waited for what, and why, as far as somebody knows."""
     outcome = _failed(verdict, failure)
-    wrong = "; ".join([*map(_words, plan.disturbances), *map(_delivered, plan.settings)])
+    order = [f"the nodes stand in the order {', '.join(plan.order)}"] if plan.order else []
+    different = [*map(_words, plan.disturbances), *map(_delivered, plan.settings), *order]
+    wrong = "; ".join(different)
     is_master = outcome.what.startswith((MASTER, COMMAND))
     expected = "" if is_master else f" Expected: {outcome.what}."
     told = f"{_sentence(wrong) or 'Nothing goes wrong'}.{expected}"
@@ -123,7 +125,7 @@ def write_find(contract: Contract, result: Result, failure: Failure, folder: Pat
     except OSError as error:
         raise UserError(f"{path} cannot be written: {error.strerror}") from error
     if _fails_the_same(path, contract, failure, result):
-        steps = contract.steps - len(result.plan.left_out)
+        steps = contract.parts - len(result.plan.left_out)
         return Find(failure, path, result.plan, result.verdict, steps, text)
     path.unlink()
     return None

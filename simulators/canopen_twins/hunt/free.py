@@ -82,12 +82,18 @@ def plans(space: Space) -> st.SearchStrategy[Plan]:
     slots += [st.none()] * (SLOTS - len(slots))
     deliveries = st.none() | st.sampled_from(space.deliveries) if space.deliveries else st.none()
     heals = st.just(True) if space.limits.heals else st.booleans().map(lambda leave: not leave)
-    return st.builds(_plan, st.tuples(*slots), deliveries, heals)
+    orders = st.just(()) | st.sampled_from(space.orders) if space.orders else st.just(())
+    return st.builds(_plan, st.tuples(*slots), deliveries, heals, orders)
 
 
-def _plan(slots: tuple[Any, ...], delivery: tuple[str, str, Any] | None, heals: bool) -> Plan:
+def _plan(
+    slots: tuple[Any, ...],
+    delivery: tuple[str, str, Any] | None,
+    heals: bool,
+    order: tuple[str, ...],
+) -> Plan:
     wrong = tuple(each for each in slots if each is not None)
-    return Plan(wrong, () if delivery is None else (delivery,), heals)
+    return Plan(wrong, () if delivery is None else (delivery,), heals, order=order)
 
 
 def _slot(space: Space) -> st.SearchStrategy[Any]:

@@ -177,7 +177,7 @@ class Hunt:
         """Make a file of it, as simple as it can be."""
         play = partial(run, self._contract)
         most = MOST_RUNS if not self._contract.command else MOST_IN_REAL_TIME
-        shrinker = Shrinker(failure, play, self._contract.steps, most)
+        shrinker = Shrinker(failure, play, self._contract.parts, most)
         plan = shrinker.shrink(result.plan)
         result = play(plan)
         self.report.runs += shrinker.runs + 1

@@ -25,11 +25,11 @@ Play = Callable[[Plan], Result]
 class Shrinker:
     """Knows what has been played already, and how often it may play on."""
 
-    def __init__(self, failure: Failure, play: Play, steps: int, most: int = MOST_RUNS) -> None:
+    def __init__(self, failure: Failure, play: Play, parts: int, most: int = MOST_RUNS) -> None:
         self.runs = 0
         self._failure = failure
         self._play = play
-        self._steps = steps
+        self._parts = parts
         self._most = most
         self._end = time.monotonic() + MOST_SECONDS
         self._known: dict[str, bool] = {}
@@ -38,7 +38,7 @@ class Shrinker:
         """The simplest that is found in time."""
         self._known[plan.key] = True
         plan = self._descend(plan, _simpler)
-        return self._descend(plan, lambda plan: _shorter(plan, self._steps))
+        return self._descend(plan, lambda plan: _shorter(plan, self._parts))
 
     def _descend(self, plan: Plan, simpler: Callable[[Plan], Iterator[Plan]]) -> Plan:
         """As long as one of the simpler ones fails in the same way, go on from there."""
@@ -65,6 +65,8 @@ def _simpler(plan: Plan) -> Iterator[Plan]:
         yield replace(plan, disturbances=_without(plan.disturbances, n))
     for n in range(len(plan.settings)):
         yield replace(plan, settings=_without(plan.settings, n))
+    if plan.order:
+        yield replace(plan, order=())
     if not plan.heals:
         yield replace(plan, heals=True)
     for n, each in enumerate(plan.disturbances):
@@ -117,8 +119,8 @@ def _rounder(time: float) -> Iterator[float]:
     yield from ROUND[:place]
 
 
-def _shorter(plan: Plan, steps: int) -> Iterator[Plan]:
-    """Without one more of the steps of the contract, the last ones first."""
-    for n in reversed(range(steps)):
+def _shorter(plan: Plan, parts: int) -> Iterator[Plan]:
+    """Without one more part of the contract, the last ones first."""
+    for n in reversed(range(parts)):
         if n not in plan.left_out:
             yield replace(plan, left_out=tuple(sorted((*plan.left_out, n))))

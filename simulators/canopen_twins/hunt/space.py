@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
-from itertools import product, zip_longest
+from itertools import islice, permutations, product, zip_longest
 from math import isfinite
 from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
 
@@ -50,6 +50,7 @@ TIMES = (0.01, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
 MOMENTS = (0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 OF_TIME = ("seconds", "pause")
 BY_AIM = ("nth", "probability", "burst", "seed", "frame")
+MOST_ORDERS = 23  # those of four nodes
 MOST_WORDS, MOST_OBJECTS = 3, 16
 AIMS = 6
 """Of one fault, which are tried one after the other; its others are tried beside them."""
@@ -107,6 +108,9 @@ class Space:
         self.options = [option for name in self._nodes for option in self._options(name)]
         self.moments = {name: list(self._moments(name)) for name in self._nodes}
         self.changes = [change for name in self._nodes for change in self._changes(name)]
+        self.orders = [*islice(permutations(self._nodes), 1, 1 + MOST_ORDERS)]
+        self.orders.reverse()  # the last ones differ most
+        """Other orders of the nodes: who comes first where frames are of one microsecond."""
         self.deliveries = [each for name in self._nodes for each in self._deliveries(name)]
 
     @property
@@ -116,6 +120,7 @@ class Space:
 
     def singles(self) -> Iterator[Plan]:
         """Every one of them by itself, round by round: what is simple, and early, comes first."""
+        yield from (Plan(order=order) for order in self.orders[:1])
         yield from (Plan(settings=(each,)) for each in self.deliveries)
         sources = [self._of(option) for option in self.options]
         sources += [self._set(*change) for change in self.changes]
