@@ -15,16 +15,15 @@ from typing import Any
 import yaml
 
 from canopen_twins import devices
+from canopen_twins.bench.python_master import PythonMaster
 from canopen_twins.errors import UserError
-from canopen_twins.files.document import compose
-from canopen_twins.files.whole import read_plain
+from canopen_twins.files.document import understand
 from canopen_twins.files.writer import node_of, write_yaml
 from canopen_twins.scenario import Scenario, load
 from canopen_twins.scenario.rehearsal import BESIDE
 
 WALL = 20.0
 """Seconds of real time for a run that is done in a tenth of one: who takes longer hangs."""
-LARGEST = 256 * 1024  # bytes
 OF_A_HUNT = ("weather", "space")
 OF_A_NODE = ("device", *BESIDE)
 LAST = ("steps", "disturbances", "recovers", "cleanup")
@@ -131,9 +130,14 @@ class Contract:
         Raises:
             UserError: it says what cannot be.
         """
-        scenario = load(self.file, text=self.text(plan))
-        if scenario.master is None:
-            return scenario
+        if plan == Plan():  # whose lines are told are those of the file
+            scenario = load(self.file)
+            if self.master:
+                scenario = replace(scenario, master=PythonMaster.beside(self.master, self.file))
+        else:
+            scenario = load(self.file, text=self.text(plan))
+        if scenario.master is None or self.command:
+            return replace(scenario, master=None)
         return replace(scenario, master=replace(scenario.master, wall=WALL))
 
     @property
@@ -173,7 +177,7 @@ def _stamp(file: Path) -> int:
 
 @lru_cache(maxsize=8)
 def _pairs(file: Path, stamp: int) -> Mapping[str, yaml.Node]:
-    node = compose(read_plain(file, LARGEST).decode("utf-8", "replace"))
+    node = understand(file, lambda item: item.node)
     if not isinstance(node, yaml.MappingNode):
         raise UserError(f"{file} is no scenario")
     return {key.value: value for key, value in node.value}

@@ -24,13 +24,14 @@ from canopen_twins.hunt.run import Failure, Result, run
 from canopen_twins.hunt.shrink import MOST_IN_REAL_TIME, MOST_RUNS, Shrinker
 from canopen_twins.hunt.space import Space
 from canopen_twins.live.hub_process import hub_process
-from canopen_twins.scenario import Verdict
+from canopen_twins.scenario import Scenario, Verdict
 
 Item = TypeVar("Item")
 Outcome = TypeVar("Outcome")
 
 SECONDS = 60.0
 """Of a hunt of which nobody says how long it goes on."""
+SHORTEST = 0.1  # seconds of a contract in which anything can go wrong
 PAIRS = 300
 """Pairs of singles, before everything is mixed."""
 
@@ -118,19 +119,24 @@ class Hunt:
         events, verdict = events_of(self._contract, scenario)
         if not verdict.ok:
             raise BrokenContract(broken(verdict))
-        again = run(self._contract, Plan())
-        self.report.count(again)
-        self._traces.add(again.trace)
-        is_simulated = not self._contract.command
-        if is_simulated and run(self._contract, Plan()).trace != again.trace:
-            raise BrokenContract(
-                f"{scenario.file}: two runs without any fault are not the same: the master depends"
-                " on something that is not in simulated time"
-            )
+        if verdict.seconds < SHORTEST:
+            raise BrokenContract(f"{scenario.file}: it is over at once: give it a 'duration'")
+        if not self._contract.command:
+            self._expect_the_same(scenario)
         space = Space(scenario, events)
         self.report.weather = scenario.space.weather
         self.report.faults, self.report.left_out = space.faults, space.left_out
         return events, space
+
+    def _expect_the_same(self, scenario: Scenario) -> None:
+        again = run(self._contract, Plan())
+        self.report.count(again)
+        self._traces.add(again.trace)
+        if run(self._contract, Plan()).trace != again.trace:
+            raise BrokenContract(
+                f"{scenario.file}: two runs without any fault are not the same: the master depends"
+                " on something that is not in simulated time"
+            )
 
     @property
     def _left(self) -> bool:
