@@ -49,6 +49,7 @@ from canopen_twins.scenario.scenario import EndsWith, Stalls
 
 log = logging.getLogger(__name__)
 
+LONGEST_START = 2.0  # seconds; whoever is not on the bus by then is told of
 LISTEN, LISTEN_LONG = 0.1, 1.5  # seconds; on a real bus a heartbeat of a second should be heard
 
 
@@ -161,13 +162,20 @@ def _serve(
         telling(options) as told,
     ):
         begin(segment, run.player, [*observers, *told.observers])
-        ready = {**_ready(title(options, scenario), segment), **bus.told, **control.told}
+        silent = _silent(segment)
+        ready = {
+            **_ready(title(options, scenario), segment),
+            **({"silent": silent} if silent else {}),
+            **bus.told,
+            **control.told,
+        }
         watch = MasterWatch(segment, run.player)
 
         def on_the_bus() -> None:
             print(json.dumps(ready), flush=True)
             told.start()
             watch.start()
+            segment.clock.after(LONGEST_START, partial(_tell_silent, segment))
             end.begin()
 
         serve(segment, _opening(bus, segment, options.exclusive), end, on_the_bus, control.orders)
@@ -240,6 +248,17 @@ def _opening(bus: NamedBus, segment: Segment[Node], exclusive: bool | None) -> O
     if bus.place.hub is not None:
         open_bus = partial(join_hub, bus.place.hub, bus.place.channel, node_ids)
     return with_node_id_check(open_bus, node_ids, LISTEN if bus.virtual else LISTEN_LONG)
+
+
+def _silent(segment: Segment[Node]) -> dict[str, str]:
+    """Who is not on the bus, and why."""
+    nodes = [node for node in segment.nodes if not node.device.online]
+    return {node.wire.name: node.device.silence for node in nodes}
+
+
+def _tell_silent(segment: Segment[Node]) -> None:
+    for name, why in _silent(segment).items():
+        log.warning("%s is still not on the bus: %s", name, why)
 
 
 def _ready(title: str, segment: Segment[Node]) -> dict[str, object]:

@@ -1,0 +1,233 @@
+"""Endurance: `python -m benchmarks.soak --seconds 600` loads twins in real time and watches them.
+
+Mixed twins in one process on a hub, or on a bus of python-can; each has a heartbeat, TopCons send
+a TPDO of 8 bytes for every SYNC, and a master reads objects without pause between its SYNCs.
+
+Invariants: no heartbeat is lost and no SYNC is without its TPDOs, every SDO is answered, no real
+time is left out, memory does not grow, and the processes end when they are told to.
+"""
+
+import argparse
+import sys
+import tempfile
+import time
+from collections import deque
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack
+from itertools import cycle, pairwise
+from pathlib import Path
+from statistics import median
+
+import can
+
+from benchmarks.processes import Sample, Watched, judged, percentiles, slope, watched
+from canopen_twins.bus.hub.client import HubBus
+from canopen_twins.bus.hub.protocol import HubAddress
+
+DEVICES = ("topcon", "charger", "gateway")
+STEP = 0.016  # seconds; the cycle of a gateway
+LATE = 0.005  # seconds; a deadline of a PC that is busy otherwise
+ANSWERED = 1.0  # seconds for an SDO
+ATTEMPTS = 10
+WARM_UP = 3.0  # seconds, at most
+LONG, STEEPEST = 590.0, 5.0  # seconds, MB an hour: before that memory has not settled
+READ = bytes.fromhex("4000100000000000")  # 0x1000, which every device has
+
+
+class Master:
+    """Configures the twins, then asks and listens until its time is over."""
+
+    def __init__(self, bus: can.BusABC, options: argparse.Namespace) -> None:
+        self._bus = bus
+        self._options = options
+        self.heartbeats: dict[int, list[float]] = {n: [] for n in range(1, options.twins + 1)}
+        named = zip(self.heartbeats, cycle(options.devices), strict=False)
+        self.topcons = {node_id for node_id, device in named if device == "topcon"}
+        self.tpdos = self.syncs = self.frames = self.unanswered = 0
+        self.answers: list[float] = []
+        self.periods = dict.fromkeys(self.heartbeats, 0.0)
+        self._asked: dict[int, float] = {}  # whom, and when: one transfer at a time with each
+        self._turns = deque(self.heartbeats)
+        self.counts = False
+
+    def configure(self) -> None:
+        """Heartbeats everywhere, TPDO 1 of a TopCon with every SYNC, everybody operational.
+
+        A device has periods of its own that takes none of ours.
+        """
+        period = self._options.heartbeat.to_bytes(2, "little")
+        for node_id in self.heartbeats:
+            self._ask(node_id, bytes.fromhex("2b171000") + period + bytes(2))
+            told = self._ask(node_id, bytes.fromhex("4017100000000000"))
+            self.periods[node_id] = int.from_bytes(told[4:6], "little") / 1e3
+            if node_id in self.topcons:
+                self._ask(node_id, bytes.fromhex("2f00180201000000"))
+        self._send(0x000, bytes([1, 0]))
+
+    def work(self, seconds: float, samples: Mapping[Watched, list[Sample]]) -> None:
+        """Ask, synchronise and listen for so long."""
+        begun = now = time.monotonic()
+        next_sync = next_sdo = next_look = begun
+        while now < begun + seconds:
+            if now >= next_sync:
+                self._send(0x080, b"")
+                self.syncs += self.counts
+                next_sync += self._options.sync
+            if now >= next_sdo:
+                self._request(now)
+                next_sdo += 1 / self._options.sdo
+            if now >= next_look:
+                for process, list_of in samples.items():
+                    list_of.append(Sample(now - begun, process.memory))
+                next_look += 1.0
+            self._hear(max(0.0, min(next_sync, next_sdo) - time.monotonic()))
+            now = time.monotonic()
+
+    def settle(self) -> None:
+        """Hear what is still on its way."""
+        end = time.monotonic() + ANSWERED
+        while time.monotonic() < end:
+            self._hear(0.05)
+        self.unanswered += len(self._asked)
+
+    def _request(self, now: float) -> None:
+        for _ in range(len(self._turns)):
+            node_id = self._turns[0]
+            self._turns.rotate(-1)
+            if now - self._asked.get(node_id, now) > ANSWERED:
+                del self._asked[node_id]
+                self.unanswered += 1
+            if node_id not in self._asked:
+                self._asked[node_id] = now
+                self._send(0x600 + node_id, READ)
+                return
+
+    def _hear(self, wait: float) -> None:
+        message = self._bus.recv(wait)
+        if message is None:
+            return
+        now = time.monotonic()
+        node_id, kind = message.arbitration_id & 0x7F, message.arbitration_id & ~0x7F
+        self.frames += self.counts
+        if kind == 0x700 and self.counts and message.data != b"\x00":
+            self.heartbeats[node_id].append(now)
+        elif kind == 0x180 and node_id in self.topcons:
+            self.tpdos += self.counts
+        elif kind == 0x580 and (asked := self._asked.pop(node_id, None)) is not None:
+            self.answers.append(now - asked)
+
+    def _ask(self, node_id: int, data: bytes) -> bytes:
+        for _ in range(ATTEMPTS):  # it may still be booting
+            self._send(0x600 + node_id, data)
+            end = time.monotonic() + ANSWERED
+            while (left := end - time.monotonic()) > 0:
+                message = self._bus.recv(left)
+                if message is not None and message.arbitration_id == 0x580 + node_id:
+                    return bytes(message.data)
+        raise SystemExit(f"node {node_id} does not answer")
+
+    def _send(self, can_id: int, data: bytes) -> None:
+        self._bus.send(can.Message(arbitration_id=can_id, data=data, is_extended_id=False))
+
+
+def main() -> int:
+    """1 if an invariant does not hold."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seconds", type=float, default=60.0)
+    parser.add_argument("--twins", type=int, default=3, help="1..127")
+    parser.add_argument("--devices", nargs="+", default=DEVICES, help="taken in turns")
+    parser.add_argument("--heartbeat", type=int, default=100, help="its period in ms")
+    parser.add_argument("--sync", type=float, default=0.01, help="its period in s")
+    parser.add_argument("--sdo", type=float, default=100.0, help="requests a second")
+    parser.add_argument("--interface", help="of python-can; a hub of its own if there is none")
+    parser.add_argument("--channel", default="vcan0")
+    options = parser.parse_args()
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        file = folder / "bench.yaml"
+        nodes = (
+            f"  n{n}: {{device: {device}, node_id: {n}}}\n"
+            for n, device in zip(range(1, options.twins + 1), cycle(options.devices), strict=False)
+        )
+        file.write_text("version: 1\nnodes:\n" + "".join(nodes))
+        processes = {}
+        if options.interface:
+            place = ("-i", options.interface, "-c", options.channel)
+        else:
+            hub = processes["hub"] = stack.enter_context(watched("hub", "--listen", ":0"))
+            address = HubAddress(hub.told["host"], hub.told["port"])
+            place = ("--hub", str(address), "-c", options.channel)
+        processes["twins"] = stack.enter_context(watched("run", str(file), *place))
+        bus: can.BusABC
+        if options.interface:
+            bus = can.Bus(interface=options.interface, channel=options.channel)
+        else:
+            bus = HubBus(address, options.channel)
+        with bus:
+            return _soak(Master(bus, options), options, processes)
+
+
+def _soak(master: Master, options: argparse.Namespace, processes: Mapping[str, Watched]) -> int:
+    samples: dict[Watched, list[Sample]] = {process: [] for process in processes.values()}
+    master.configure()
+    master.work(min(WARM_UP, options.seconds / 2), {})
+    busy = {name: process.seconds for name, process in processes.items()}
+    master.counts, begun = True, time.monotonic()
+    master.work(options.seconds, samples)
+    took = time.monotonic() - begun
+    shares = {name: (each.seconds - busy[name]) / took for name, each in processes.items()}
+    master.counts = False
+    master.settle()
+    broken = [*_heard(master, took), *_of_processes(processes, samples, shares)]
+    return judged(broken)
+
+
+def _heard(master: Master, took: float) -> Iterator[str]:
+    """Tell what has come; gives what should not be."""
+    lost, late, jitter = 0, 0, []
+    for node_id, times in master.heartbeats.items():
+        if len(times) < 3:
+            lost += max(0, int(took / master.periods[node_id]) - 1 - len(times))
+            continue
+        intervals = [after - before for before, after in pairwise(times)]
+        period = median(intervals)  # a device may count in steps of its own
+        if abs(period - master.periods[node_id]) > STEP:
+            yield f"node {node_id} has heartbeats of {period:.3f} s"
+        lost += max(0, round((times[-1] - times[0]) / period) + 1 - len(times))
+        lags = [abs(interval - period) for interval in intervals]
+        late += sum(lag > LATE for lag in lags)
+        jitter += lags
+    topcons = len(master.topcons)
+    missing = max(0, (master.syncs - 1) * topcons - master.tpdos)
+    answers, unanswered = master.answers, master.unanswered
+    print(
+        f"{len(master.heartbeats)} twins, {took:.0f} s, {master.frames / took:.0f} frames/s heard"
+    )
+    print(f"heartbeats: {len(jitter)}, lost {lost}, by more than 5 ms off {late}")
+    print(f"jitter of a heartbeat: {percentiles(jitter)}")
+    print(f"TPDOs: {master.tpdos} for {master.syncs} SYNCs, {topcons} a SYNC, missing {missing}")
+    print(f"SDO: {len(answers)} answered, {unanswered} not: {percentiles(answers)}")
+    yield from [f"{lost} heartbeats are lost"] if lost else []
+    yield from [f"{missing} TPDOs are lost"] if missing else []
+    yield from [f"{unanswered} SDOs are not answered"] if unanswered else []
+
+
+def _of_processes(
+    processes: Mapping[str, Watched],
+    samples: Mapping[Watched, list[Sample]],
+    shares: Mapping[str, float],
+) -> Iterator[str]:
+    """The same of what they took, and how they end."""
+    for name, process in reversed(processes.items()):
+        rise = slope(samples[process])
+        told = f"{shares[name]:.0%} of a core, {process.memory:.0f} MB"
+        print(f"{name}: {told}, growing by {rise:.1f} MB an hour")
+        if samples[process][-1].time >= LONG and rise > STEEPEST:
+            yield f"{name} grows by {rise:.1f} MB an hour"
+        if code := process.end():
+            yield f"{name} ends with {code}"
+        yield from (f"{name} said: {line.strip()}" for line in process.said)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
