@@ -4,6 +4,7 @@ Only one thread runs at a time, so none of it needs a lock of its own.
 """
 
 import queue
+import sched
 import threading
 import time
 from collections.abc import Callable
@@ -382,9 +383,42 @@ class WallClock:
             "monotonic_ns": lambda: round(self.now() * NANOSECONDS),
             "perf_counter": self.now,
             "perf_counter_ns": lambda: round(self.now() * NANOSECONDS),
-            "localtime": lambda seconds=None: time.localtime(self._or_now(seconds)),
+            "localtime": self._local,
             "gmtime": lambda seconds=None: time.gmtime(self._or_now(seconds)),
+            "ctime": lambda seconds=None: time.ctime(self._or_now(seconds)),
+            "asctime": lambda told=None: time.asctime(told or self._local()),
+            "strftime": lambda text, told=None: time.strftime(text, told or self._local()),
+            "clock_gettime": self._clock,
+            "clock_gettime_ns": lambda clock: round(self._clock(clock) * NANOSECONDS),
         }
+
+    def scheduler(self) -> type[sched.scheduler]:
+        """`sched.scheduler`, which has the clock of the day it was made as its default."""
+        wall = self
+
+        class EventScheduler(sched.scheduler):
+            """Waits in simulated time, unless it is told how to wait."""
+
+            def __init__(
+                self,
+                timefunc: Callable[[], float] = wall.now,
+                delayfunc: Callable[[float], object] = wall.sleep,
+            ) -> None:
+                super().__init__(timefunc, delayfunc)
+
+        return EventScheduler
+
+    def _local(self, seconds: float | None = None) -> time.struct_time:
+        return time.localtime(self._or_now(seconds))
+
+    def _clock(self, clock: int) -> float:
+        """Those that tell what a process has used are of the real world."""
+        if clock == time.CLOCK_REALTIME:
+            return self.date()
+        names = ("CLOCK_MONOTONIC", "CLOCK_MONOTONIC_RAW", "CLOCK_BOOTTIME")
+        if clock in {getattr(time, name, None) for name in names}:
+            return self.now()
+        return time.clock_gettime(clock)
 
     def _or_now(self, seconds: float | None) -> float:
         return self.date() if seconds is None else seconds

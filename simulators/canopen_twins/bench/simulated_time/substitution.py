@@ -6,6 +6,7 @@ which name a module has imported it.
 
 import importlib
 import queue
+import sched
 import sys
 import threading
 import time
@@ -116,15 +117,25 @@ class StandIns:
             self._known[id(value)] = own = make(value)  # the same one in every module
             return own
         if is_a(value, ModuleType):
-            refused = value.__name__ in REFUSED
-            return RefusedModule(value, self._scheduler) if refused else value
+            return self._of_module(value)
         if _refusable(value) and (origin := _origin(value)):
             return _refused(value, REFUSED[origin], self._scheduler)
         return value
 
+    def _of_module(self, module: ModuleType) -> ModuleType:
+        """Refused itself, or with what is refused of it, as `concurrent` has `futures`."""
+        if module.__name__ in REFUSED:
+            return RefusedModule(module, self._scheduler)
+        below = {
+            name.rpartition(".")[2]: RefusedModule(sys.modules[name], self._scheduler)
+            for name in REFUSED
+            if name.rpartition(".")[0] == module.__name__ and name in sys.modules
+        }
+        return StandIn(module, below) if below else module
+
 
 def _own(scheduler: Scheduler) -> dict[ModuleType, Mapping[str, object]]:
-    own = primitives
+    own, wall = primitives, primitives.WallClock(scheduler)
     locks = (own.Lock, own.RLock, own.Condition, own.Event, own.Semaphore, own.BoundedSemaphore)
     threads = (own.Thread, own.Timer)
     queues = (own.Queue, own.LifoQueue, own.PriorityQueue, own.SimpleQueue)
@@ -134,7 +145,8 @@ def _own(scheduler: Scheduler) -> dict[ModuleType, Mapping[str, object]]:
             "Barrier": _refused(threading.Barrier, "use threading.Condition", scheduler),
         },
         queue: {kind.__name__: kind for kind in queues},
-        time: primitives.WallClock(scheduler).functions(),
+        time: wall.functions(),
+        sched: {"scheduler": wall.scheduler()},
     }
 
 
@@ -168,7 +180,7 @@ class Substitution:
 
     def __init__(self, stand_ins: StandIns) -> None:
         self._stand_ins = stand_ins
-        self._globals: list[tuple[ModuleType, str, object]] = []
+        self._globals: list[tuple[ModuleType | type, str, object]] = []
         self._bases: list[tuple[type, tuple[type, ...]]] = []
 
     def apply(self, modules: Iterable[ModuleType]) -> None:
@@ -177,6 +189,7 @@ class Substitution:
             for name, value in list(vars(module).items()):
                 if is_a(value, type) and value.__module__ == module.__name__:
                     self._rebase(value)
+                    self._replace_made(value)
                 elif not name.startswith("__"):
                     self._replace(module, name, value)
 
@@ -204,12 +217,18 @@ class Substitution:
         for kind, bases in self._bases:
             kind.__bases__ = bases
 
-    def _replace(self, module: ModuleType, name: str, value: object) -> None:
+    def _replace(self, module: ModuleType | type, name: str, value: object) -> None:
         stand_in = self._stand_ins.find(value)
         if stand_in is not value:
             self._set(module, name, stand_in)
 
-    def _set(self, module: ModuleType, name: str, value: object) -> None:
+    def _replace_made(self, kind: type) -> None:
+        """A lock that all of a class share was made when its module was imported."""
+        for name, value in list(vars(kind).items()):
+            if type(value) in MADE_BEFORE:
+                self._replace(kind, name, value)
+
+    def _set(self, module: ModuleType | type, name: str, value: object) -> None:
         self._globals.append((module, name, getattr(module, name)))
         setattr(module, name, value)
 
