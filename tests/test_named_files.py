@@ -9,7 +9,7 @@ import pytest
 
 from canopen_twins.cli import main
 from canopen_twins.errors import UserError
-from canopen_twins.files.whole import file_part, folder_part, write_whole
+from canopen_twins.files.whole import file_part, folder_part, live_file, write_whole
 
 STORY = """\
 version: 1
@@ -109,17 +109,17 @@ def test_what_is_called_like_the_value_of_a_setting_is_no_part_of_a_record(here)
     assert main(["replay", "record"]) == 0
 
 
-@pytest.mark.parametrize("part", [file_part, folder_part])
+@pytest.mark.parametrize("part", [file_part, folder_part, live_file])
 def test_what_one_run_writes_no_other_one_does(tmp_path, part):
     place = tmp_path / "place"
     with (
-        part(place) as written,
+        part(place),
         pytest.raises(UserError, match="place belongs to another run"),
         part(place),
     ):
         pass
-    assert not written.exists()
     assert place.exists()
+    assert list(tmp_path.iterdir()) == [place]
 
 
 def test_a_picture_that_cannot_be_written_leaves_the_old_one(tmp_path, monkeypatch):

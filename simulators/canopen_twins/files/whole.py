@@ -115,21 +115,24 @@ def live_file(path: Path) -> Iterator[Path]:
     An older one is a part meanwhile; it is back where wrong input ends the writing, else gone.
 
     Raises:
-        UserError: it cannot be written there.
+        UserError: it cannot be written there, or another run is writing it.
     """
     path = plain_file(path)
     older = _beside(path, PART) if path.exists() else None
-    with _writing(path):
-        if older is not None:
-            path.replace(older)
-        path.write_bytes(b"")
-    try:
-        yield path
-    except UserError:
-        path.unlink()
-        if older is not None:
-            older.replace(path)
-        raise
+    with ExitStack() as stack:
+        with _writing(path):
+            if older is not None:
+                with path.open("rb") as there:
+                    _lock_for(path, there.fileno())
+                path.replace(older)
+            _lock_for(path, stack.enter_context(path.open("wb")).fileno())
+        try:
+            yield path
+        except UserError:
+            path.unlink()
+            if older is not None:
+                older.replace(path)
+            raise
     if older is not None:
         older.unlink()
 
