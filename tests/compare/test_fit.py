@@ -7,7 +7,7 @@ from canopen_twins import Bench, devices
 
 from .conftest import log, traced
 from .local_node import BLOCK
-from .masters import Master, supply
+from .masters import Master, charging, supply
 
 
 @pytest.fixture
@@ -52,9 +52,14 @@ def test_times_are_those_of_the_device(fitted):
 
 
 def test_noise_is_what_the_values_show(fitted):
-    found, before, after = fitted(noise=3, load="resistor 4")
-    assert before < after
-    assert "noise" in found
+    found, before, after = fitted(noise=3)
+    assert before < after == 100
+    assert found["noise"] == pytest.approx(3, abs=1)
+
+
+def test_a_device_under_another_load_is_not_explained_by_noise(fitted):
+    found, _, _ = fitted(load="resistor 4")
+    assert "noise" not in found
 
 
 def test_what_nothing_can_be_set_for_stays_as_it_is(fitted):
@@ -67,6 +72,15 @@ def test_a_file_is_refused_by_its_name(field, said, tmp_path):
     code, _, err = said("compare", "topcon", "-n", "5", trace, "--fit", tmp_path / "fit.txt")
     assert (code, err.count("\n")) == (2, 1)
     assert "the name of a bench file ends in .yaml, not in .device.yaml" in err
+
+
+def test_a_setting_that_shows_only_after_another_is_found(said, tmp_path):
+    given = {"kind": "PCMT", "heartbeat_default_ms": 2000, "heartbeat_step": "floor"}
+    trace = log(tmp_path / "field.log", traced(charging, "charger", **given))
+    said("compare", "charger", "-n", "5", trace, "--fit", tmp_path / "fit.yaml")
+    found = yaml.safe_load((tmp_path / "fit.yaml").read_text())["nodes"]["charger"]["settings"]
+    assert found.items() >= given.items()
+    assert said("compare", tmp_path / "fit.yaml", trace)[0] == 0
 
 
 def block(bench):

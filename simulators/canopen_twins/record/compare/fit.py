@@ -19,6 +19,11 @@ from canopen_twins.record.trace import TimedFrame
 from canopen_twins.scenario.scenario import NodeSpec
 
 TRIED_WITH = 20_000  # frames; every trial plays them anew
+ROUNDS = 3  # a setting may show only after another has been found
+REFRESHES = (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0)  # seconds, as devices have them
+MOST_STEPS, MOST_TRIED = 1000, 3  # of a series
+FEW = 4  # values say nothing of noise
+MOST_NOISE = 0.02  # of the highest value: what is further apart is another value
 DIGITS = 4  # of a time in seconds
 UNDECIDED = frozenset(field.name for field in fields(NodeSettings))
 """Settings that are worked out of times, or that no trace decides."""
@@ -54,17 +59,19 @@ class Fit:
     def _fit(self, name: str) -> None:
         for settings in _times(self.best.shown[name]):
             self._offer(name, settings, is_better=False)
-        for settings in _values(self.best, name):
-            self._offer(name, settings)
-        for settings in _choices(self.best.specs[name]):
-            if self.best.score == (1.0, 0):
-                return
-            self._offer(name, settings)
+        for _ in range(ROUNDS):
+            before = self.best
+            for settings in (*_values(self.best, name), *_choices(self.best.specs[name])):
+                self._offer(name, settings)
+            if self.best is before:
+                break
         for settings in _measurement(self.best.shown[name]):
             self._offer(name, settings)
 
     def _offer(self, name: str, settings: Mapping[str, object], is_better: bool = True) -> None:
         """Take settings over if they make the twin more like the device, or no less like it."""
+        if is_better and self.best.score == (1.0, 0):
+            return
         spec = self.best.specs[name]
         known = {field.name for field in fields(spec.device.settings)}
         if not settings.keys() <= known:
@@ -131,15 +138,25 @@ def _choices(spec: NodeSpec) -> Iterator[Mapping[str, object]]:
 
 
 def _measurement(shown: Shown) -> Iterator[Mapping[str, object]]:
-    """The noise that covers what is apart, and the time for which a value stays as it is."""
-    apart = [abs(one - other) for pairs in shown.measured.values() for one, other in pairs]
-    if len(apart) > 1:
-        yield {"noise": float(quantiles(apart, n=100, method="inclusive")[-1])}
-        yield {"noise": float(max(apart))}
-    for samples in shown.series.values():
-        steps = [b.tick - a.tick for a, b in pairwise(samples)]
-        if len(steps) > 2:
-            yield {"measure_time": _seconds(min(steps))}
+    """The time for which a value stays as it is, then the noise around what the twin has."""
+    steps = {
+        _seconds(later.tick - earlier.tick)
+        for samples in shown.series.values()
+        for earlier, later in pairwise(samples[:MOST_STEPS])
+    }
+    for time in sorted({*REFRESHES, *sorted(steps)[:MOST_TRIED]}):
+        yield {"measure_time": time}
+    noises = [noise for pairs in shown.measured.values() if (noise := _noise(pairs))]
+    if noises:
+        yield {"noise": float(max(noises))}
+
+
+def _noise(pairs: Sequence[tuple[float, float]]) -> float:
+    """What nearly all values are off by at most; none if that is more than noise can be."""
+    if len(pairs) < FEW:
+        return 0.0
+    apart = quantiles([abs(one - other) for one, other in pairs], n=100, method="inclusive")[-1]
+    return apart if apart <= MOST_NOISE * max(abs(one) for one, _ in pairs) else 0.0
 
 
 def _seconds(microseconds: float) -> float:
