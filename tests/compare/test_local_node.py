@@ -8,8 +8,8 @@ import pytest
 from canopen_twins import devices
 from canopen_twins.record.compare import Comparison
 
-from .conftest import told
-from .local_node import asked, local_node, machine
+from .conftest import compared, told, traced
+from .local_node import BLOCK, asked, local_node, machine
 
 RAMP = "SDO 0x2000:00 Ramp"
 NAME = "SDO 0x1008:00 Manufacturer device name"
@@ -77,3 +77,41 @@ WITH_A_DIFFERENCE = [(why, words) for why, _, words in DEVIATIONS if words]
 @pytest.mark.parametrize(("why", "words"), WITH_A_DIFFERENCE)
 def test_a_deviation_of_a_local_node_is_found(found, why, words):
     assert any(words in line for line in found), found
+
+
+def test_a_second_sdo_server_and_a_pdo_of_another_identifier_are_compared(tmp_path):
+    second = """
+[1201]
+ParameterName=Second server
+ObjectType=0x9
+SubNumber=3
+[1201sub0]
+ParameterName=Largest sub-index
+DataType=0x0005
+AccessType=const
+DefaultValue=2
+[1201sub1]
+ParameterName=Requests
+DataType=0x0007
+AccessType=rw
+DefaultValue=0x611
+[1201sub2]
+ParameterName=Answers
+DataType=0x0007
+AccessType=rw
+DefaultValue=0x591
+"""
+    text = BLOCK.read_text("utf-8").replace("DefaultValue=$NODEID+0x280", "DefaultValue=0x3A1")
+    ours, theirs = tmp_path / "ours.eds", tmp_path / "theirs.eds"
+    ours.write_text(text + second)
+    theirs.write_text(text.replace("DefaultValue=0x00000002", "DefaultValue=0xBAD") + second)
+
+    def ask(bench):
+        bench.send("611#4018100200000000")
+        bench.send("000#0105")
+        bench.run(0.1)
+        bench.set(**{"0x6401:01": 200})
+
+    agreement = compared(traced(ask, str(theirs)), str(ours))
+    assert told(agreement) == ["SDO 0x1018:02 Identity object.Product code: another value"]
+    assert {"SDO", "TPDO2"} <= agreement.services("twin")

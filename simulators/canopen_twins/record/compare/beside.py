@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import partial
 
@@ -30,19 +30,22 @@ from canopen_twins.slave.nmt import ALL_NODES, RESETS, STATE_BYTE, TARGET
 from canopen_twins.slave.object import Entry, Rejected
 from canopen_twins.slave.pdo import carried
 from canopen_twins.slave.rpdo import Rpdo
+from canopen_twins.slave.sdo_server import ANSWERS, REQUESTS, SERVERS
 from canopen_twins.slave.service import State
 from canopen_twins.slave.slave import Slave
 from canopen_twins.slave.sync import COB_ID as SYNC_COB_ID
 from canopen_twins.slave.sync import sync_id
+from canopen_twins.slave.time import COB_ID as TIME_COB_ID
 from canopen_twins.slave.tpdo import Tpdo
 
 BOOT_UP = b"\0"
-BOOT, HEARTBEAT, GUARDING, EMCY, SYNC, LSS = (
+BOOT, HEARTBEAT, GUARDING, EMCY, SYNC, TIME, LSS = (
     "boot-up",
     "heartbeat",
     "node guarding",
     "EMCY",
     "SYNC",
+    "TIME",
     "LSS",
 )
 PREDEFINED = (0x180, 0x280, 0x380, 0x480)  # TPDOs
@@ -76,15 +79,14 @@ class Beside:
         """Whether it is not known what came before: the device has not booted in the trace."""
         expected = _at_once(node.device)
         self._judge = Judge(node, agreement, tolerances, records, expected)
-        segment = timeline.segment
-        patience = max(microseconds(longest_answer(expected)), tolerances.time)
-        self.dialogue = Dialogue(
-            self._judge_transfer, self._unasked, segment.send, self._judge.look, patience
-        )
+        self._patience = max(microseconds(longest_answer(expected)), tolerances.time)
         self._agreement = agreement
         self._tolerances = tolerances
         self._timeline = timeline
-        self._segment = segment
+        self._segment = timeline.segment
+        self._dialogue = self._new_dialogue()
+        self._further: dict[int, Dialogue] = {}  # by the objects of further SDO servers
+        self._requests: dict[int, Dialogue] = {}
         self._streams: dict[str, Stream] = {}
         self._written: set[Address] = set()
         self._unknown: set[Address] = set()  # written with what the trace lacks
@@ -99,6 +101,10 @@ class Beside:
         self._deaf = False  # what the twin sends now is of no interest
         self.exercised = Exercised()
         self.derive()
+
+    def _new_dialogue(self) -> Dialogue:
+        send, look = self._segment.send, self._judge.look
+        return Dialogue(self._judge_transfer, self._unasked, send, look, self._patience)
 
     def show(self) -> Shown:
         """Keep from now on what the device shows."""
@@ -139,10 +145,10 @@ class Beside:
             return False
         if frame.can_id == identifiers.NMT and len(frame.data) == 2:
             self._on_nmt(tick, *frame.data)
-        if frame.can_id != identifiers.sdo_request(node_id):
+        if (dialogue := self._requests.get(frame.can_id)) is None:
             self._pdos.add(frame.can_id)
             return False
-        self.dialogue.ask(tick, frame)
+        dialogue.ask(tick, frame)
         return True
 
     def _on_nmt(self, tick: int, command: int, target: int) -> None:
@@ -154,11 +160,21 @@ class Beside:
 
     def follow(self, now: int) -> None:
         """What has to be done between two frames of the trace."""
-        self.dialogue.hurry(now)
+        for dialogue in self._dialogues:
+            dialogue.hurry(now)
         while self._looks and now - self._looks[0][0] >= self._tolerances.time:
             _, number, also = self._looks.popleft()
             if self.node.slave is not None:
                 also.append(self._judge.sent_now(number))
+
+    @property
+    def due(self) -> float:
+        """When the twin is asked, though the device is silent; infinite if nothing waits."""
+        return min(dialogue.due for dialogue in self._dialogues)
+
+    @property
+    def _dialogues(self) -> Iterable[Dialogue]:
+        return self._requests.values()
 
     def leap(self) -> None:
         """The trace goes on at another time."""
@@ -167,7 +183,8 @@ class Beside:
 
     def settle(self, now: float) -> None:
         """Judge what is so old that nothing more will come of it."""
-        self.dialogue.settle(now)
+        for dialogue in self._dialogues:
+            dialogue.settle(now)
         for stream in self._streams.values():
             if stream.pending:
                 stream.settle(now)
@@ -176,7 +193,8 @@ class Beside:
         """Judge all that there is."""
         if self._booted is not None and now - self._booted[0] > WINDOW:
             self._never_booted(now)
-        self.dialogue.end(now - self._tolerances.time)
+        for dialogue in self._dialogues:
+            dialogue.end(now - self._tolerances.time)
         for stream in self._streams.values():
             stream.end(now)
 
@@ -191,10 +209,11 @@ class Beside:
         node_id, slave = self.node.node_id, self.node.slave
         self.heard = self.node.wire.heard
         self.own = {
-            identifiers.sdo_answer(node_id): self._on_answer,
+            identifiers.sdo_answer(node_id): partial(self._on_answer, self._dialogue),
             identifiers.heartbeat(node_id): self._on_error_control,
             identifiers.emcy(node_id): self._on_emcy,
         }
+        self._requests = {identifiers.sdo_request(node_id): self._dialogue}
         heard = self.heard if isinstance(self.heard, dict) else {}
         for place, base in enumerate(PREDEFINED):
             if (base + node_id, False) not in heard:
@@ -212,12 +231,25 @@ class Beside:
                 self.own[can_id] = partial(self._on_pdo, number)
         if slave.has(SYNC_COB_ID) and slave.number(SYNC_COB_ID) & identifiers.PRODUCES:
             self.own[sync_id(slave)] = partial(self._plain, SYNC)
+        if slave.has(TIME_COB_ID) and slave.number(TIME_COB_ID) & identifiers.PRODUCES:
+            self.own[slave.number(TIME_COB_ID) & identifiers.CAN_ID] = partial(self._plain, TIME)
+        for index in SERVERS:
+            if slave.has(index, REQUESTS) and slave.has(index, ANSWERS):
+                self._derive_server(index, *(slave.number(index, n) for n in (REQUESTS, ANSWERS)))
 
-    def _on_answer(self, tick: int, frame: Frame, of_device: bool) -> None:
+    def _derive_server(self, index: int, requests: int, answers: int) -> None:
+        asked, answered = map(identifiers.of_cob_id, (requests, answers))
+        if asked is None or answered is None:
+            return
+        dialogue = self._further.setdefault(index, self._new_dialogue())
+        self._requests[asked] = dialogue
+        self.own[answered] = partial(self._on_answer, dialogue)
+
+    def _on_answer(self, dialogue: Dialogue, tick: int, frame: Frame, of_device: bool) -> None:
         if of_device:
-            self.dialogue.add_device(tick, frame.data)
+            dialogue.add_device(tick, frame.data)
         else:
-            self.dialogue.add_twin(tick, frame.data)
+            dialogue.add_twin(tick, frame.data)
 
     def _on_error_control(self, tick: int, frame: Frame, of_device: bool) -> None:
         guarding = tick - self._guarded[of_device] < GUARDED and self._may_guard(frame)
@@ -441,7 +473,7 @@ class Beside:
                 identifiers.sdo_request(self.node.node_id),
                 sdo.message(Ccs.UPLOAD, sdo.multiplexer(sdo.address(data))),
             )
-            self.dialogue.recover(tick, request, data)
+            self._dialogue.recover(tick, request, data)
         elif sdo.specifier(data) == Scs.DOWNLOAD:
             self._written.discard(sdo.address(data))
             self._unknown.add(sdo.address(data))

@@ -52,11 +52,11 @@ class Comparison:
             )
             for name, device in devices.items()
         }
+        self._own: dict[str, Mapping[int, object]] = {}  # as it was when the next was made of it
         self._of_devices: dict[int, Beside] = {}
         self._others: set[Heard] = set()  # identifiers of none of them
         self._settled = 0
         self.segment.masters.append(self._hear)
-        self._derive()
 
     @property
     def nodes(self) -> Mapping[str, Beside]:
@@ -66,7 +66,7 @@ class Comparison:
     def hear(self, tick: int, frame: Frame) -> None:
         """A frame of the trace, at its microsecond."""
         for beside in self._besides.values():
-            if beside.dialogue.due < self.timeline.relative(tick):
+            if beside.due < self.timeline.relative(tick):
                 self._hurry(tick, beside)
         leaps = len(self.timeline.left_out)
         now = self.timeline.advance(tick)
@@ -75,9 +75,11 @@ class Comparison:
                 beside.leap()
         if now - self._settled >= SETTLED:
             self.settle(now)
-        for beside in self._besides.values():
+        for name, beside in self._besides.items():
             beside.follow(now)
             if beside.node.wire.heard is not beside.heard:
+                beside.derive()
+            if beside.own is not self._own.get(name):
                 self._derive()
         if not (frame.remote or frame.extended):
             its = self._of_devices.get(frame.can_id)
@@ -99,7 +101,7 @@ class Comparison:
 
     def _hurry(self, tick: int, beside: Beside) -> None:
         """The device is silent: at the end of its time the twin is asked all the same."""
-        early = self.timeline.relative(tick) - int(beside.dialogue.due)
+        early = self.timeline.relative(tick) - int(beside.due)
         beside.follow(self.timeline.advance(tick - early))
 
     def settle(self, now: int) -> None:
@@ -136,10 +138,10 @@ class Comparison:
         raise UserError(f"the trace has nothing of node {node_id} ({name}){told}")
 
     def _derive(self) -> None:
-        self._of_devices = {}
-        for beside in self._besides.values():
-            beside.derive()
-            self._of_devices |= dict.fromkeys(beside.own, beside)
+        self._own = {name: beside.own for name, beside in self._besides.items()}
+        self._of_devices = {
+            can_id: self._besides[name] for name, own in self._own.items() for can_id in own
+        }
 
     def _hear(self, frame: Frame, sender: str) -> None:
         self._records.append(Record(self.segment.clock.now, frame, sender))
