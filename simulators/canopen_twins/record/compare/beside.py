@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 
 from canopen_twins.bus import identifiers, sdo
 from canopen_twins.bus.clock import MICROSECONDS, microseconds
 from canopen_twins.bus.frame import Frame
-from canopen_twins.bus.sdo import Address, Ccs, Scs
+from canopen_twins.bus.sdo import Ccs, Scs
 from canopen_twins.bus.segment import Record
 from canopen_twins.device.device import Device
 from canopen_twins.device.node import Node
@@ -19,6 +18,7 @@ from canopen_twins.device.timing import Timing
 from canopen_twins.record.compare.agreement import Account, Agreement, Kind, Subject
 from canopen_twins.record.compare.dialogue import Dialogue, Transfer, outcome
 from canopen_twins.record.compare.judge import Judge, longest_answer
+from canopen_twins.record.compare.middle import Middle
 from canopen_twins.record.compare.shown import Shown
 from canopen_twins.record.compare.stream import WINDOW, Pair, Seen, Stream
 from canopen_twins.record.compare.timeline import Timeline
@@ -26,10 +26,7 @@ from canopen_twins.record.compare.tolerances import Tolerances
 from canopen_twins.record.compare.unexercised import Exercised
 from canopen_twins.slave.emcy import emcy_id
 from canopen_twins.slave.error_control import TOGGLE
-from canopen_twins.slave.nmt import ALL_NODES, RESETS, STATE_BYTE, TARGET
-from canopen_twins.slave.object import Entry, Rejected
-from canopen_twins.slave.pdo import carried
-from canopen_twins.slave.rpdo import Rpdo
+from canopen_twins.slave.nmt import ALL_NODES, RESETS, STATE_BYTE
 from canopen_twins.slave.sdo_server import ANSWERS, REQUESTS, SERVERS
 from canopen_twins.slave.service import State
 from canopen_twins.slave.slave import Slave
@@ -50,10 +47,8 @@ BOOT, HEARTBEAT, GUARDING, EMCY, SYNC, TIME, LSS = (
 )
 PREDEFINED = (0x180, 0x280, 0x380, 0x480)  # TPDOs
 STATE_OF = {byte: state for state, byte in STATE_BYTE.items()}
-A_LITTLE = 0.05  # of a period
 MILLISECOND = 1_000
 GUARDED = 20 * MILLISECOND  # microseconds within which node guarding is answered
-COMMANDS = {state: command for command, state in TARGET.items()}
 
 Handler = Callable[[int, Frame, bool], None]
 """Takes a frame at its time in the trace, and whether it is the device's, not the twin's."""
@@ -75,8 +70,6 @@ class Beside:
         self.own: dict[int, Handler] = {}
         self.heard: object = None  # by the twin, when `own` was worked out
         self.begun = False
-        self.in_the_middle = False
-        """Whether it is not known what came before: the device has not booted in the trace."""
         expected = _at_once(node.device)
         self._judge = Judge(node, agreement, tolerances, records, expected)
         self._patience = max(microseconds(longest_answer(expected)), tolerances.time)
@@ -84,21 +77,15 @@ class Beside:
         self._tolerances = tolerances
         self._timeline = timeline
         self._segment = timeline.segment
+        self._middle = Middle(self._judge, timeline.segment)
         self._dialogue = self._new_dialogue()
         self._further: dict[int, Dialogue] = {}  # by the objects of further SDO servers
         self._requests: dict[int, Dialogue] = {}
         self._streams: dict[str, Stream] = {}
-        self._written: set[Address] = set()
-        self._unknown: set[Address] = set()  # written with what the trace lacks
-        self._pdos: set[int] = set()  # identifiers of the master that may be those of PDOs
-        self._knows_state = False
-        self._beat: int | None = None  # the last heartbeat of the device, in the middle
-        self._beats = False  # whether its period is known
         self._guarded = [-GUARDED, -GUARDED]  # when last, until answered: by twin and device
         self._reset: tuple[int, int] | None = None  # the last: in the trace, and for the twin
         self._booted: tuple[int, int] | None = None  # the twin, before the device
         self._looks: deque[tuple[int, int, list[bytes]]] = deque()  # at TPDOs, a little later
-        self._deaf = False  # what the twin sends now is of no interest
         self.exercised = Exercised()
         self.derive()
 
@@ -126,7 +113,7 @@ class Beside:
 
     def on_twin(self, tick: int, frame: Frame) -> None:
         """The twin has sent a frame."""
-        if self._deaf or not self.begun:
+        if self._middle.is_deaf or not self.begun:
             return
         if self._booted is not None and not _is_boot_up(frame):
             return  # the device is not there yet
@@ -146,7 +133,7 @@ class Beside:
         if frame.can_id == identifiers.NMT and len(frame.data) == 2:
             self._on_nmt(tick, *frame.data)
         if (dialogue := self._requests.get(frame.can_id)) is None:
-            self._pdos.add(frame.can_id)
+            self._middle.pdos.add(frame.can_id)
             return False
         dialogue.ask(tick, frame)
         return True
@@ -156,7 +143,7 @@ class Beside:
             self.exercised.commands.add(command)
             if command in RESETS:
                 self._reset = tick, self._clock
-            self._knows_state = True
+            self._middle.knows_state = True
 
     def follow(self, now: int) -> None:
         """What has to be done between two frames of the trace."""
@@ -256,9 +243,10 @@ class Beside:
         if _is_boot_up(frame) and not guarding:
             self._on_boot_up(tick, of_device)
             return
-        if of_device and frame.data and self._infer(STATE_OF.get(frame.data[0] & ~TOGGLE)):
+        if of_device and frame.data and self._middle.infer(STATE_OF.get(frame.data[0] & ~TOGGLE)):
             return
-        if of_device and not guarding and self.in_the_middle and self._infer_period(tick):
+        if of_device and not guarding and self._middle.infer_period(tick):
+            self._streams.pop(HEARTBEAT, None)
             return
         if guarding:
             self._guarded[of_device] = -GUARDED
@@ -275,7 +263,7 @@ class Beside:
         self._put(self._stream(EMCY, self._judge.emcy), tick, frame, of_device)
 
     def _on_pdo(self, number: int, tick: int, frame: Frame, of_device: bool) -> None:
-        if of_device and self._infer(State.OPERATIONAL):
+        if of_device and self._middle.infer(State.OPERATIONAL):
             return
         same = partial(self._judge.same_pdo, number)
         stream = self._stream(f"TPDO{number}", partial(self._judge.pdo, number), same)
@@ -307,7 +295,7 @@ class Beside:
         stream = self._streams.get(service)
         if stream is None:
             stream = self._streams[service] = Stream(self._tolerances.time, same, judge)
-            stream.free = self.in_the_middle
+            stream.free = self._middle.is_here
         return stream
 
     def _state_byte(self, frame: Frame) -> Sequence[bytes]:
@@ -319,12 +307,12 @@ class Beside:
 
     def _begin(self, tick: int, frame: Frame) -> None:
         """The first that is seen of the device: has it just booted, or long before?"""
-        self.in_the_middle = not _is_boot_up(frame)
+        self._middle.is_here = not _is_boot_up(frame)
         if self._judge.shown is not None:
             self._judge.shown.begun = tick
         self._boot()
         self.begun = True
-        if self.in_the_middle:
+        if self._middle.is_here:
             self._agreement.remarks.append(
                 f"{self.name}: the trace begins in the middle; objects and NMT state are taken from"
                 " what it shows"
@@ -334,63 +322,12 @@ class Beside:
 
     def _boot(self) -> None:
         """Power comes, and all that the twin tells of it is left out."""
-        with self._unheard():
+        with self._middle.unheard():
             self.node.power_off()
             self.node.power_on()
             self._segment.deliver()
             self._timeline.wait_for(self.node)
         self.derive()
-
-    def _infer(self, state: State | None) -> bool:
-        """In the middle of something: take over the NMT state that the device shows, if it is new.
-
-        What it shows it with had no cause that the twin could know.
-        """
-        if self._knows_state or not self.in_the_middle or state in (None, self.node.state):
-            return False
-        assert state is not None
-        command = bytes([COMMANDS[state], self.node.node_id])
-        with self._unheard():
-            self._segment.send(Frame(identifiers.NMT, command))
-        return True
-
-    def _infer_period(self, tick: int) -> bool:
-        """In the middle of something: take over the period of the heartbeat, if it is new."""
-        last, self._beat = self._beat, tick
-        entry = self._judge.entry((0x1017, 0))
-        if last is None or entry is None or not entry.writable or entry.address in self._written:
-            return False
-        seen, period = (tick - last) / MILLISECOND, int(entry.unpack(entry.read()))
-        longer = seen > (1 - A_LITTLE) * period
-        if (self._beats and longer) or abs(seen - period) <= A_LITTLE * period:
-            return False
-        self._beats = True
-        self._set(entry, entry.pack(round(seen)))
-        self._streams.pop(HEARTBEAT, None)
-        return True
-
-    def _by_pdo(self, entry: Entry) -> bool:
-        """Whether a PDO of the trace may have brought what is in an object."""
-        slave = self.node.slave
-        assert slave is not None
-        heard = (n for n in Rpdo.numbers(slave) if Rpdo.identifier(slave, n) in self._pdos)
-        return any(
-            part.entry is entry for n in heard for part in carried(slave, Rpdo.mapping + n - 1)
-        )
-
-    def _set(self, entry: Entry, value: bytes) -> None:
-        """What a master must have written before the trace began."""
-        assert self.node.slave is not None
-        with self._unheard(), suppress(Rejected), self.node.acting():
-            self.node.slave.write(entry, value)
-
-    @contextmanager
-    def _unheard(self) -> Iterator[None]:
-        """What the twin sends meanwhile is of no interest."""
-        self._deaf = True
-        yield
-        self._segment.deliver()
-        self._deaf = False
 
     def _on_boot_up(self, tick: int, of_device: bool) -> None:
         if not of_device:
@@ -413,8 +350,7 @@ class Beside:
         for stream in self._streams.values():
             stream.free = True
         self._booted = self._reset = None
-        self.in_the_middle, self._knows_state = False, True
-        self._written.clear()
+        self._middle.end()
         self.derive()
 
     def _boot_late(self, tick: int) -> int:
@@ -446,9 +382,9 @@ class Beside:
         if transfer.address is not None:
             self.exercised.objects.add(transfer.address)
         if transfer.access == sdo.WRITE and transfer.address is not None:
-            self._written.add(transfer.address)
-        elif self.in_the_middle or transfer.address in self._unknown:
-            self._take_over(transfer)
+            self._middle.written.add(transfer.address)
+        else:
+            self._middle.take_over(transfer)
         self._judge.transfer(transfer)
         if self._judge.shown is not None:
             self._show(self._judge.shown, transfer)
@@ -457,7 +393,7 @@ class Beside:
         """Keep what was read of an object that nobody had written since it was delivered."""
         device, twin = outcome(transfer.device), outcome(transfer.twin)
         entry = self._judge.entry(transfer.address)
-        if entry is None or entry.address in {*self._written, *shown.read}:
+        if entry is None or entry.address in {*self._middle.written, *shown.read}:
             return
         if device.code is None is twin.code and device.value and twin.value:
             told = entry.unpack(device.value), entry.unpack(twin.value)
@@ -475,22 +411,8 @@ class Beside:
             )
             self._dialogue.recover(tick, request, data)
         elif sdo.specifier(data) == Scs.DOWNLOAD:
-            self._written.discard(sdo.address(data))
-            self._unknown.add(sdo.address(data))
-
-    def _take_over(self, transfer: Transfer) -> None:
-        """In the middle of something: what the device has in an object is what was written."""
-        told, entry = outcome(transfer.device), self._judge.entry(transfer.address)
-        if entry is None or not entry.writable or told.value is None:
-            return
-        if entry.address in self._written or told.code is not None or self._by_pdo(entry):
-            return
-        self._unknown.discard(entry.address)
-        self._written.add(entry.address)
-        if entry.read() == told.value:
-            return
-        self._set(entry, told.value)
-        transfer.twin = list(transfer.device)
+            self._middle.written.discard(sdo.address(data))
+            self._middle.unknown.add(sdo.address(data))
 
 
 def _at_once(device: Device) -> Timing:
