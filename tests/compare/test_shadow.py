@@ -5,6 +5,7 @@ from threading import Thread
 
 import can
 import pytest
+from can.interfaces.virtual import channels
 
 from canopen_twins import devices
 from canopen_twins.bus.frame import Frame
@@ -18,6 +19,13 @@ OTHERS = ["000#8105", "605#4000100000000000", "185#R", "705#R", "7E5#5E000000000
 PATIENCE = 20.0  # seconds
 
 
+def wait_for_somebody_on(channel):
+    """The shadow has opened its bus when python-can's virtual bus has somebody there."""
+    end = time.monotonic() + PATIENCE
+    while not channels.get(channel) and time.monotonic() < end:
+        time.sleep(0.01)
+
+
 @pytest.fixture
 def beside(said, tmp_path):
     """`run --shadow` on a virtual bus, while somebody does something there: what it says."""
@@ -27,7 +35,7 @@ def beside(said, tmp_path):
 
         def act():
             try:
-                time.sleep(0.3)
+                wait_for_somebody_on(bus["channel"])
                 action(bus)
             finally:
                 os.kill(os.getpid(), signal.SIGTERM)
