@@ -10,6 +10,8 @@ from textwrap import indent
 
 import yaml
 
+from canopen_twins.hunt.search import Budget, Report
+
 HERE = Path(__file__).parent
 EXAMPLES = HERE.parents[2] / "docs" / "examples" / "masters"
 DEVICES = ("topcon", "charger", "gateway")
@@ -62,3 +64,13 @@ def mutants() -> list[Mutant]:
         for device in DEVICES
         for row in yaml.safe_load((HERE / f"{device}.yaml").read_text("utf-8"))
     ]
+
+
+class UntilFound(Budget):
+    """Not a run more when something has been found."""
+
+    report: Report | None = None
+
+    def left(self, runs: int) -> bool:
+        """Whether to go on."""
+        return super().left(runs) and not (self.report and self.report.finds)

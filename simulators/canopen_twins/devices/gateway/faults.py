@@ -43,6 +43,14 @@ WEATHER = {
         Weather("hostile", "a mistake of whoever has configured it"),
     ),
     "eeprom": Weather("hostile", "a broken memory has to be repaired"),
+    **dict.fromkeys(
+        ("error", "exception", "bootloader", "watchdog", "endless_loop"),
+        Weather("hostile", "stays until somebody clears it with DcDesk, or for good (9.1, 9.3)"),
+    ),
+    **dict.fromkeys(
+        ("overspeed", "oil_lost", "cooling_lost", "fuel_lost"),
+        Weather("hostile", "stops the engine until somebody clears the errors with DcDesk (9.1)"),
+    ),
 }
 
 

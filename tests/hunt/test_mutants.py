@@ -1,0 +1,72 @@
+"""The reference masters keep their contracts in a hunt; mutants of them do not."""
+
+import shutil
+
+import pytest
+
+from canopen_twins import play
+from canopen_twins.hunt.contract import Contract, Plan
+from canopen_twins.hunt.run import run
+from canopen_twins.hunt.search import Hunt
+from canopen_twins.scenario import load
+
+from .mutants import DEVICES, EXAMPLES, UntilFound, mutants
+
+MUTANTS = mutants()
+
+
+@pytest.fixture
+def hunted(tmp_path):
+    """The report of a hunt for some runs."""
+
+    def hunted(contract, runs):
+        budget = UntilFound(runs=runs)
+        hunt = Hunt(Contract(contract), budget=budget, folder=tmp_path)
+        budget.report = hunt.report
+        return hunt.hunt()
+
+    return hunted
+
+
+@pytest.mark.parametrize(("device", "runs"), [("topcon", 30), ("charger", 6), ("gateway", 4)])
+def test_a_reference_master_survives(hunted, tmp_path, device, runs):
+    for file in EXAMPLES.glob(f"{device}_*"):
+        shutil.copy(file, tmp_path)
+    report = hunted(tmp_path / f"{device}_contract.yaml", runs)
+    assert [str(find.outcome) for find in report.finds] == []
+    assert report.runs >= runs
+
+
+@pytest.mark.parametrize("name", ["toggle ignored", "one loss ends it"])
+def test_a_mutant_is_found_with_one_thing_beyond_the_contract(hunted, tmp_path, name):
+    (mutant,) = [each for each in MUTANTS if each.name == name]
+    report = hunted(mutant.put_into(tmp_path), 60)
+    assert [find.plan.size for find in report.finds] == [1]
+
+
+WRONG = {
+    "run before operational": {"frame_lost": {"frame": "000#*", "times": 2}},
+    "abort read as data": {"sdo_abort": {"object": "Nominal voltage", "times": 1}},
+    "size ignored": {"sdo_wrong_size": {"object": "Nominal voltage", "times": 1}},
+    "emergency only logged": {"error": {"number": 0x23}},
+}
+"""What has to go wrong, for some of them."""
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_what_a_mutant_does_not_survive_its_master_does(tmp_path, name):
+    (mutant,) = [each for each in MUTANTS if each.name == name]
+    plan = Plan(({"at": 2.7 if name.startswith("em") else 0.0, "inject": WRONG[name]},))
+    contract = mutant.put_into(tmp_path)
+    assert run(Contract(contract), plan).failures
+    assert not run(Contract(EXAMPLES / contract.name), plan).failures
+
+
+@pytest.mark.parametrize("mutant", MUTANTS, ids=str)
+def test_without_any_fault_a_mutant_keeps_its_contract(tmp_path, mutant):
+    assert play(load(mutant.put_into(tmp_path))).ok
+
+
+def test_there_are_twenty_for_all_devices():
+    assert len({str(each) for each in MUTANTS}) == 20
+    assert {each.device for each in MUTANTS} == {*DEVICES}
