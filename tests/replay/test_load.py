@@ -128,3 +128,14 @@ def test_a_node_that_cannot_take_part_is_pointed_at(problems, node, problem):
 def test_a_file_that_is_no_scenario_is_pointed_at(problems, text, problem):
     (found,) = problems(text)
     assert found.startswith(problem)
+
+
+def test_a_device_is_made_once_to_look_at_its_settings_and_to_rehearse(loaded, monkeypatch):
+    made = []
+
+    def make_model(device):
+        made.append(device)
+
+    monkeypatch.setattr(Probe, "make_model", make_model)
+    loaded("{version: 1, node: {device: probe}, steps: [{at: 1, nmt: start}]}")
+    assert len(made) == 1

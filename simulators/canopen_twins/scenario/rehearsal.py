@@ -112,8 +112,8 @@ class Participants:
         self._names.append(name.text)
         with place.problems.at(place):
             if node is not None:
-                spec = self._spec(node)
-                twin = connect(self._bus, spec.create(), name.text)
+                spec, device = self._made(node)
+                twin = connect(self._bus, device, name.text)
                 self._rehearsals[name.text] = Rehearsal(twin, self._seed)
                 self.specs[name.text] = spec
 
@@ -142,7 +142,7 @@ class Participants:
         """What can be chosen of any of them."""
         return {name for spec in self.specs.values() for name in _settings(spec.device)}
 
-    def _spec(self, node: schema.Node) -> NodeSpec:
+    def _made(self, node: schema.Node) -> tuple[NodeSpec, Device]:
         name = node.device.text
         with node.device.blamed():
             kind = self._find(str(self._beside / name) if devices.is_file(name) else name)
@@ -155,12 +155,12 @@ class Participants:
             settings[TIMING] = timing
         if self._seed is not None and SEED in _settings(kind):
             settings.setdefault(SEED, self._seed)
+        spec = NodeSpec(kind, settings)
         try:
-            kind(**settings)
+            return spec, spec.create()
         except UserError:
             _blame(kind, given)
             raise
-        return NodeSpec(kind, settings)
 
 
 def _settings(kind: type[Device]) -> set[str]:
