@@ -60,7 +60,7 @@ class Storage:
     def save_hours(self, hours: Hours) -> None:
         """A memory that fails loses them: nobody has asked who could be told."""
         try:
-            self._memory.store(HOURS, asdict(hours))
+            self._memory.store(HOURS, vars(hours).copy())
         except OSError as failure:
             log.error("the hour counters cannot be stored: %s", failure)
 

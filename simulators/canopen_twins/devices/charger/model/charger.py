@@ -257,8 +257,12 @@ class Charger:
         """
         remaining = whole_ticks(dt)
         while remaining > 0:
-            ticks = max(1, min(remaining, self._quiet - 1))  # what happens has a tick of its own
-            self._advance(ticks)
+            ticks = min(remaining, self._quiet - 1)  # what happens has a tick of its own
+            if ticks > 0:
+                self._coast(ticks)
+            else:
+                ticks = 1
+                self._advance(ticks)
             remaining -= ticks
 
     @property
@@ -277,6 +281,12 @@ class Charger:
             self.derating.quiet(now, self.heating.at(now)),
             self.messages.quiet(now),
         )
+
+    def _coast(self, ticks: int) -> None:
+        """Let ticks pass in which nothing changes but what counts them."""
+        self.now += ticks
+        self._drive(ticks)
+        self.hours.add(ticks, self.charging_active, self.discharging_active)
 
     def _advance(self, ticks: int) -> None:
         before = self._state
