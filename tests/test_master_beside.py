@@ -67,11 +67,13 @@ def test_a_master_that_fails_is_an_error_of_the_run(beside, tmp_path):
     code, out, _ = beside(UNTIL_RUN, "raise SystemExit(3)", "--junit", "report.xml")
     assert code == 1
     assert "story.yaml: ERROR (1 SKIP, 1 ERROR)" in out
-    assert "master.py socketcand vcan0 127.0.0.1:" in out
+    command = f"the command {sys.executable} master.py {{interface}} {{channel}} {{hub}}"
+    assert f"story.yaml: {command}: has ended with exit code 3\n" in out
     suites = ElementTree.parse(tmp_path / "report.xml").getroot()
     assert (suites.get("errors"), suites.get("failures")) == ("1", "0")
     assert suites.find(".//error").get("message") == "has ended with exit code 3"
-    assert [case.get("name") for case in suites.iter("testcase")][1] == "topcon: it runs in time"
+    names = [case.get("name") for case in suites.iter("testcase")]
+    assert names == [command, "topcon: it runs in time"]
 
 
 WHILE_COMMAND = f"""{HEADER}ends_with: command

@@ -90,6 +90,7 @@ class MasterProcess:
             grace: Seconds that it may take from SIGTERM on.
             streams: stdin, stdout and stderr as for `subprocess.Popen`; ours if left out.
         """
+        self._words = " ".join(command)  # the same in every run: names of tests have it
         self._command = place.filled(command)
         self._environment = {**os.environ, **place.environment}
         self._grace = grace
@@ -164,7 +165,7 @@ class MasterProcess:
         self.end()
 
     def __str__(self) -> str:
-        return " ".join(self._command)
+        return self._words
 
     def _signal(self, number: int) -> bool:
         """Whether there was somebody to get it."""
