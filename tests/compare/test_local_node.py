@@ -45,6 +45,7 @@ DEVIATIONS = [
     ("so it is not answered", "7E5#5E00000000000000", f"LSS: {LACKS}"),
     ("a stopped node is not to be stopped", "000#0205", ""),
     ("for it answers SDO", "605#4000100000000000", f"SDO 0x1000:00 Device type: {MORE}"),
+    ("its heartbeats would look like one", "605#2B17100000000000", ""),
     ("a reset ends in no boot-up", "000#8105", f"boot-up: {LACKS}"),
     ("and changes no value", "605#4000200000000000", f"{RAMP}: {VALUE}"),
 ]
