@@ -252,12 +252,21 @@ def test_the_fixture_fails_with_what_it_finds(pytester, master, outcome):
         again.assert_outcomes(failed=len(finds))  # and is a test from now on
 
 
-def test_the_tutorial_shows_what_is_found(hunted):
+def test_without_hypothesis_it_says_at_once_what_is_missing(hunted, monkeypatch):
+    monkeypatch.setitem(sys.modules, "hypothesis", None)
+    code, said = hunted(CAREFUL, "--runs", "1")
+    assert code == 2
+    assert said == "canopen-twin: a hunt needs the extra: pip install 'canopen-twins[hunt]'\n"
+
+
+def test_the_tutorial_shows_what_is_found(hunted, tmp_path):
     page = Path(__file__).parents[2] / "docs" / "tutorial-hunt.md"
     shown = dict(re.findall(r"```\w+ file=(\S+)\n(.*?)```", page.read_text("utf-8"), re.DOTALL))
     contract = shown["contract.yaml"]
     _, said = hunted(shown["holder.py"], "--runs", "16", contract=contract)
     assert f"```text\n{''.join(said.splitlines(keepends=True)[:2])}```" in page.read_text("utf-8")
+    shown = re.findall(r"```yaml\n(disturbances:\n.*?)```", page.read_text("utf-8"), re.DOTALL)
+    assert shown[0] in (tmp_path / "hunt-1.twin.yaml").read_text()
 
 
 def test_every_fault_of_every_device_says_in_which_weather_it_comes():

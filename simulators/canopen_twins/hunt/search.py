@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
+from importlib.util import find_spec
 from itertools import islice
 from pathlib import Path
 from random import Random
@@ -208,7 +209,7 @@ class Hunt:
                 yield plan
 
     def _search_freely(self, events: Events) -> None:
-        # only a hunt that gets this far needs it
+        # it takes half a second: for a hunt that gets this far
         from canopen_twins.hunt.free import Batch, search  # noqa: PLC0415
 
         def batches() -> Iterator[Batch]:
@@ -268,8 +269,11 @@ def hunt(  # noqa: PLR0913 - what can be chosen
         tell: Called with the report after every run.
 
     Raises:
-        UserError: something is wrong with one of them, or the contract is not kept without faults.
+        UserError: something is wrong with one of them, the extra is missing, or the contract is not
+            kept without faults.
     """
+    if find_spec("hypothesis") is None:  # before, not when all but the free search has been done
+        raise UserError("a hunt needs the extra: pip install 'canopen-twins[hunt]'")
     if not file.is_file():
         raise UserError(f"there is no file {file}")
     if folder is not None and not folder.is_dir():
