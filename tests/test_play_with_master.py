@@ -1,6 +1,7 @@
 """A master of a file, run as it is while the file is played."""
 
 import json
+from pathlib import Path
 
 import pytest
 
@@ -25,7 +26,9 @@ steps:
 """
 
 MASTER = """\
+import os
 import random
+import sys
 import threading
 import time
 import uuid
@@ -79,7 +82,28 @@ async def coroutine():
 
 
 def leaves():
-    raise SystemExit(3)
+    raise SystemExit(0)
+
+
+def generator():
+    yield
+
+
+ENDS = {
+    "exit": lambda: sys.exit(3),
+    "tells": lambda: sys.exit("no supply"),
+    "at_once": lambda: os._exit(0),
+    "base": lambda: raise_(type("Gone", (BaseException,), {})()),
+    "mute": lambda: raise_(type("Mute", (Exception,), {"__str__": lambda self: 1 / 0})()),
+}
+
+
+def raise_(error):
+    raise error
+
+
+def strays():
+    os.chdir("/")
 """
 
 
@@ -133,13 +157,13 @@ def test_the_command_line_names_another_one(story, capsys):
 
 def test_an_exception_is_told_with_the_innermost_line_of_its_own_files(story):
     verdict = play(load(story("in_a_thread")))
-    failed = ("FAIL", 3, "KeyError: 'voltage' in my_master.py:39, thread 'watch'")
+    failed = ("FAIL", 3, "KeyError: 'voltage' in my_master.py:41, thread 'watch'")
     assert failed in outcomes(verdict)
     assert str(verdict.kind) == "FAIL"  # what it did not come to is left out
 
 
 def test_it_is_given_the_arguments_of_python_can(story):
-    assert "LookupError: as wanted in my_master.py:26" in str(play(load(story("with_arguments"))))
+    assert "LookupError: as wanted in my_master.py:28" in str(play(load(story("with_arguments"))))
 
 
 def test_chance_is_the_same_in_every_run(story):
@@ -156,12 +180,36 @@ def test_who_leaves_by_himself_is_judged_by_the_file_alone(story):
 
 
 @pytest.mark.parametrize(
+    ("end", "seen"),
+    [
+        ("exit", "SystemExit: 3 in my_master.py:"),
+        ("tells", "SystemExit: no supply in my_master.py:"),
+        ("at_once", "ExitCalled: os._exit(0) in my_master.py:"),
+        ("base", "Gone in my_master.py:"),
+        ("mute", "Mute in my_master.py:"),
+    ],
+)
+def test_who_ends_as_no_process_should_has_failed(story, tmp_path, end, seen):
+    path = tmp_path / "house" / "my_master.py"
+    path.write_text(f"{MASTER}\n\ndef ends():\n    ENDS[{end!r}]()\n")
+    (told,) = [each for each in play(load(story("ends"))).outcomes if each.line == 3]
+    assert str(told.kind) == "FAIL"
+    assert told.seen.startswith(seen)
+
+
+def test_where_a_master_goes_it_goes_alone(story, tmp_path):
+    play(load(story("strays")))
+    assert Path.cwd() == tmp_path
+
+
+@pytest.mark.parametrize(
     ("master", "said"),
     [
         ("my_master:maine", "unknown function 'maine': did you mean 'main'?"),
         ("your_master:main", "there is no module 'your_master' here or beside the file"),
         ("my_master:wants", "wants eds: it is called with a canopen.Network, or with interface"),
         ("my_master:coroutine", "coroutine is of asyncio, which has a loop of its own"),
+        ("my_master:generator", "generator has a yield in it: a call of it does nothing"),
         ("my_master:seen", "seen is no function"),
         ("broken:main", "cannot be imported: ZeroDivisionError: division by zero"),
         ("needs:main", "cannot be imported: No module named 'nowhere'"),

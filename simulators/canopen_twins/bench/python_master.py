@@ -15,12 +15,12 @@ import sysconfig
 import threading
 import traceback
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from types import ModuleType, TracebackType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, NoReturn
 
 import canopen
 
@@ -33,7 +33,7 @@ from canopen_twins.bench.limits import (
 )
 from canopen_twins.bench.simulated_time import WALL, in_simulated_time
 from canopen_twins.bench.simulated_time.primitives import Thread
-from canopen_twins.bench.simulated_time.scheduler import Scheduler
+from canopen_twins.bench.simulated_time.scheduler import Scheduler, Stopped
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError, unknown
@@ -113,7 +113,7 @@ class PythonMaster:
         with self._imported() as (function, modules):
             files = {module.__file__ or "" for module in modules}
             call = _arguments(self.name, function, segment.bit_rate or BIT_RATE)
-            with _seeded(seed), in_simulated_time(segment, modules) as scheduler:
+            with _seeded(seed), _no_exit(), in_simulated_time(segment, modules) as scheduler:
                 reports = _Reports(scheduler, files, ended)
                 scheduler.on_failure = reports.later
                 with reports.of_threads():
@@ -140,6 +140,7 @@ class PythonMaster:
             del sys.modules[module]
         known = set(sys.modules)
         sys.path[:0] = folders
+        here = Path.cwd()
         try:
             importlib.invalidate_caches()
             found = _attribute(self.name, _import(self.name, name), function)
@@ -149,6 +150,8 @@ class PythonMaster:
             for module in _of_project(folders, package, known):
                 del sys.modules[module]
             sys.modules.update(before)
+            with suppress(FileNotFoundError):  # it has been taken away
+                os.chdir(here)
 
 
 def _of_project(
@@ -201,6 +204,8 @@ def _attribute(master: str, module: ModuleType, name: str) -> Callable[..., obje
         raise UserError(f"master {master!r}: {name} is no function")
     if inspect.iscoroutinefunction(found):
         raise UserError(f"master {master!r}: {name} is of asyncio, which has a loop of its own")
+    if inspect.isgeneratorfunction(found):
+        raise UserError(f"master {master!r}: {name} has a yield in it: a call of it does nothing")
     return found  # type: ignore[no-any-return]
 
 
@@ -269,7 +274,12 @@ class _Reports:
         def target() -> None:
             try:
                 call()
-            except Exception as error:
+            except (Stopped, OutOfTime):
+                raise
+            except SystemExit as left:
+                if left.code:
+                    self.later(left)
+            except BaseException as error:  # a process would end with it, too
                 self.later(error)
 
         return target
@@ -280,7 +290,7 @@ class _Reports:
         before = threading.excepthook
 
         def hook(told: threading.ExceptHookArgs) -> None:
-            if isinstance(told.exc_value, Exception):
+            if told.exc_value is not None:
                 self.later(told.exc_value, told.thread.name if told.thread else "")
 
         threading.excepthook = hook
@@ -289,23 +299,26 @@ class _Reports:
         finally:
             threading.excepthook = before
 
-    def later(self, error: Exception, thread: str = "") -> None:
+    def later(self, error: BaseException, thread: str = "") -> None:
         """Tell of it when the threads wait."""
         self._scheduler.clock.after(0, partial(self.take, error, thread))
 
-    def take(self, error: Exception, thread: str = "") -> None:
+    def take(self, error: BaseException, thread: str = "") -> None:
         """Tell of the first one; what follows from it is not told."""
         if not self._told:
             self._told = True
             self._ended(ended_by(error, self._files, thread))
 
 
-def ended_by(error: Exception, files: set[str], thread: str) -> Ended:
+def ended_by(error: BaseException, files: set[str], thread: str) -> Ended:
     """What an exception says of a master whose files are known."""
     place = _innermost(error.__traceback__, files)
     where = f" in {place}" if place else ""
     whose = f", thread {thread!r}" if thread else ""
-    text = " ".join(str(error).split())
+    try:
+        text = " ".join(str(error).split())
+    except Exception:  # the class is the user's
+        text = ""
     if isinstance(error, SimulatedTimeError):
         return Ended(f"{text}{where}{whose}", place, its_own=isinstance(error, HangError))
     told = f"{type(error).__name__}: {text}" if text else type(error).__name__
@@ -332,3 +345,24 @@ def _seeded(seed: int) -> Iterator[None]:
         random.setstate(state)
         os.urandom = urandom
         vars(random)["_urandom"] = system
+
+
+class ExitCalled(BaseException):
+    """A master has called `os._exit`, which would have ended the verdict with it."""
+
+
+@contextmanager
+def _no_exit() -> Iterator[None]:
+    """`os._exit` ends the master and not us; a process that it has forked ends as it says."""
+    ours, leave = os.getpid(), os._exit
+
+    def told(status: int) -> NoReturn:
+        if os.getpid() != ours:
+            leave(status)
+        raise ExitCalled(f"os._exit({status})")
+
+    vars(os)["_exit"] = told
+    try:
+        yield
+    finally:
+        vars(os)["_exit"] = leave
