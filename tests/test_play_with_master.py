@@ -1,6 +1,7 @@
 """A master of a file, run as it is while the file is played."""
 
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -200,6 +201,14 @@ def test_who_ends_as_no_process_should_has_failed(story, tmp_path, end, seen):
 def test_where_a_master_goes_it_goes_alone(story, tmp_path):
     play(load(story("strays")))
     assert Path.cwd() == tmp_path
+
+
+def test_it_is_found_beside_its_file_where_the_working_directory_is_deleted(story, tmp_path):
+    path = story()
+    (tmp_path / "gone").mkdir()
+    os.chdir(tmp_path / "gone")  # the fixture goes back
+    (tmp_path / "gone").rmdir()
+    assert play(load(path)).ok
 
 
 @pytest.mark.parametrize(

@@ -77,8 +77,8 @@ class PythonMaster:
         words = [*module.split("."), *function.split(".")]
         if not colon or not all(map(str.isidentifier, words)):
             raise UserError(f"master {name!r}: write it as MODULE:FUNCTION, such as my_master:main")
-        folder = file.resolve().parent
-        return cls(name, (Path.cwd(), folder, folder.parent))
+        folder, here = file.resolve().parent, _here()
+        return cls(name, (*([here] if here else []), folder, folder.parent))
 
     def check(self) -> None:
         """See whether it can be run.
@@ -140,7 +140,7 @@ class PythonMaster:
             del sys.modules[module]
         known = set(sys.modules)
         sys.path[:0] = folders
-        here = Path.cwd()
+        here = _here()
         try:
             importlib.invalidate_caches()
             found = _attribute(self.name, _import(self.name, name), function)
@@ -150,8 +150,15 @@ class PythonMaster:
             for module in _of_project(folders, package, known):
                 del sys.modules[module]
             sys.modules.update(before)
-            with suppress(FileNotFoundError):  # it has been taken away
+            if here is not None:
                 os.chdir(here)
+
+
+def _here() -> Path | None:
+    """The working directory; None if somebody has deleted it."""
+    with suppress(FileNotFoundError):
+        return Path.cwd()
+    return None
 
 
 def _of_project(
