@@ -66,6 +66,7 @@ def test_the_supply_goes_and_comes_back_with_another_node_id(port):
         ("POST", "/nodes/topcon/faults/heartbeat_late", {"seconds": "x"}, 422, "wants a number"),
         ("POST", "/nodes/topcon/faults/heartbeat_late", {"seconds": [1]}, 422, "body.seconds"),
         ("POST", "/nodes/topcon/faults/heartbeat_late", [1], 422, "body: Input should be"),
+        ("PATCH", "/nodes/topcon/settings", {"load": [1]}, 422, "body.load: a number, a text, "),
         ("POST", "/nodes/topcon/faults/heartbeat_late", b"{", 422, "body.1: JSON decode error"),
         ("POST", "/nodes/topcon/faults/heartbeat_late", b"[" * 9999, 400, "error parsing"),
         ("PATCH", "/nodes/topcon/settings", {"lode": 1}, 422, "did you mean 'load'?"),

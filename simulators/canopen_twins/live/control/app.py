@@ -20,7 +20,7 @@ from canopen_twins.live.control import schema, view
 from canopen_twins.live.control.desk import Desk
 from canopen_twins.live.control.events import KEPT, KINDS
 from canopen_twins.live.control.page import page
-from canopen_twins.live.control.schema import Done, Scalar
+from canopen_twins.live.control.schema import SCALARS, Done, Scalar
 from canopen_twins.live.control.stream import EventStream
 from canopen_twins.scenario.started import read_text
 from canopen_twins.slave.dictionary import Objects
@@ -96,8 +96,12 @@ def _add_errors(app: FastAPI) -> None:
     @app.exception_handler(RequestValidationError)
     async def misread(request: Request, error: RequestValidationError) -> Response:
         first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"])
-        return JSONResponse({"detail": f"{place}: {first['msg']}"}, 422)
+        *path, last = first["loc"]
+        if is_scalar := last in SCALARS:  # what is wrong with the first of them is no answer
+            last = path.pop()
+        place = ".".join(map(str, [*path, last]))
+        wanted = "a number, a text, true, false or null is wanted here"
+        return JSONResponse({"detail": f"{place}: {wanted if is_scalar else first['msg']}"}, 422)
 
 
 def _add_orders(app: FastAPI, desk: Desk) -> None:

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 Scalar = bool | int | float | str | None
+SCALARS = ("bool", "int", "float", "str")
+"""What pydantic calls them at the end of a place."""
 
 
 @dataclass(frozen=True)
