@@ -20,6 +20,7 @@ from canopen_twins.hunt import free
 from canopen_twins.hunt.contract import Contract, Plan
 from canopen_twins.hunt.events import Events, events_of
 from canopen_twins.hunt.run import run
+from canopen_twins.hunt.search import Hunt
 from canopen_twins.hunt.space import Space
 
 CONTRACT = """\
@@ -250,6 +251,21 @@ def test_the_fixture_fails_with_what_it_finds(pytester, master, outcome):
         )
         again = pytester.runpytest_inprocess("-p", "no:cacheprovider", *map(str, finds))
         again.assert_outcomes(failed=len(finds))  # and is a test from now on
+
+
+def test_one_that_is_interrupted_tells_what_it_has_found(hunted, tmp_path, monkeypatch):
+    plans = iter([False] * 6)
+    whole = Hunt._take
+
+    def take(self, result):
+        whole(self, result)
+        if next(plans, True):
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(Hunt, "_take", take)
+    code, said = hunted(CAREFUL, "--runs", "1000", "--html", "hunt.html")
+    assert (code, "0 finds in 8 runs" in said) == (130, True)
+    assert (tmp_path / "hunt.html").is_file()
 
 
 def test_without_hypothesis_it_says_at_once_what_is_missing(hunted, monkeypatch):

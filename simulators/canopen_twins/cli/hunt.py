@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO
 
-from canopen_twins.cli.command import FAILED, OK, Parser, seconds
+from canopen_twins.cli.command import FAILED, INTERRUPTED, OK, Parser, seconds
 from canopen_twins.cli.master import add_master
 from canopen_twins.cli.results import add_reports
 from canopen_twins.errors import UserError
@@ -47,7 +47,7 @@ def add_hunt(parser: Parser) -> None:
 
 
 def hunt(options: argparse.Namespace) -> int:
-    """Search, and say what has been found; 1 if anything has.
+    """Search, and say what has been found; 1 if anything has. Ctrl-C ends it early.
 
     Raises:
         UserError: something is wrong with the contract, the master or the budget.
@@ -58,21 +58,27 @@ def hunt(options: argparse.Namespace) -> int:
     if options.words and options.master:
         raise UserError("one master is tested: --master or a COMMAND, not both")
     line = Progress(sys.stderr)
-    with workers(options.jobs) as play:
-        report = search(
-            options.contract,
-            options.master or "",
-            command=options.words,
-            runs=options.runs,
-            seconds=options.seconds,
-            seed=options.seed,
-            folder=options.finds,
-            play=play,
-            tell=line.tell,
-        )
+    code = None
+    try:
+        with workers(options.jobs) as play:
+            report = search(
+                options.contract,
+                options.master or "",
+                command=options.words,
+                runs=options.runs,
+                seconds=options.seconds,
+                seed=options.seed,
+                folder=options.finds,
+                play=play,
+                tell=line.tell,
+            )
+    except KeyboardInterrupt:
+        if line.report is None:  # nothing has been tried yet
+            raise
+        report, code = line.report, INTERRUPTED
     line.close()
     _tell(report, options)
-    return OK if report.ok else FAILED
+    return code or (OK if report.ok else FAILED)
 
 
 @contextmanager
@@ -109,9 +115,12 @@ class Progress:
         self._stream = stream
         self._shown = stream.isatty()
         self._due = time.monotonic() + PERIOD
+        self.report: Report | None = None
+        """As it was told last."""
 
     def tell(self, report: Report) -> None:
         """Write it anew, if it is time to."""
+        self.report = report
         if self._shown and time.monotonic() >= self._due:
             self._due = time.monotonic() + PERIOD
             cells = len({*report.passed, *report.failed})
