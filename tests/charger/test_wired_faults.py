@@ -140,7 +140,7 @@ def test_any_message_by_key_by_number_or_with_a_code_of_its_own(bench, fault, gi
         ("spark", {}, "fault 'spark' wants 'slope'"),
         ("spark_storm", {"rate": -1}, "a rate and a scale of 0 or more"),
         ("supply", {"volts": 5}, "a supply of 5.0 V: 6..40 V"),
-        ("analog", {"percent": 101}, "101.0 % is not in 0..100"),
+        ("analog", {"percent": 101}, "'analog': 101 is more than 100"),
         ("insulating_pollution", {"percent": -1}, "-1.0 % is not in 0..100"),
         ("conductive_pollution", {"megaohm": 0}, "megaohm is above 0, not 0.0"),
         ("discharging_pollution", {"connector": 3}, "connected to 1 and 2, not to 3"),
