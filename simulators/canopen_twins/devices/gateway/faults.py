@@ -51,6 +51,10 @@ WEATHER = {
         ("overspeed", "oil_lost", "cooling_lost", "fuel_lost"),
         Weather("hostile", "stops the engine until somebody clears the errors with DcDesk (9.1)"),
     ),
+    **dict.fromkeys(
+        ("link_delay", "link_drop"),
+        Weather("hostile", "three failed attempts leave 12412 until somebody clears it (9.5)"),
+    ),
 }
 
 
