@@ -84,7 +84,7 @@ def test_every_command_knows_it(python, command, told):
 
 
 def test_its_story_is_played(python):
-    played = python("canopen_twins", "play", "fan_blocked.twin.yaml")
+    played = python("canopen_twins", "play", "--raw", "fan_blocked.twin.yaml")
     assert played.returncode == 0, played.stdout + played.stderr
     assert "(0000000006.000000) can0 089#2171810000000000\n" in played.stdout
     assert "fan_blocked.twin.yaml: PASS" in played.stdout

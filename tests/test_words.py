@@ -37,7 +37,7 @@ def told():
     def told(*frames, coloured=False, quiet=False, fault=""):
         sink, segment = Sink(), Segment()
         node = connect(segment, create("topcon", node_id=5), "topcon")
-        begin(segment, None, [Words(sink, coloured, quiet).attach])
+        begin(segment, None, [Words(sink.put, coloured, quiet).attach])
         segment.deliver()
         for frame in frames:
             segment.send(Frame.parse(frame))

@@ -71,12 +71,17 @@ class Printer:
         try:
             while (line := self._lines.get()) is not None:
                 print(line, file=self._stream, flush=self._lines.empty())
-                if self._lost and self._lines.empty():
-                    lost, self._lost = self._lost, 0
-                    told = f"{lost} lines were not read in time, and are lost"
-                    print(told, file=self._stream, flush=True)
+                if self._lines.empty():
+                    self._tell_what_is_lost()
+            self._tell_what_is_lost()
         except (OSError, ValueError):  # the reader has gone
             self._drain()
+
+    def _tell_what_is_lost(self) -> None:
+        if self._lost:
+            lost, self._lost = self._lost, 0
+            told = f"{lost} lines were not read in time, and are lost"
+            print(told, file=self._stream, flush=True)
 
     def _drain(self) -> None:
         while True:
