@@ -384,3 +384,12 @@ def test_nodes_are_tried_in_every_order(tmp_path):
         run(contract, Plan(order=order)).trace for order in ((), *Space(scenario, Events()).orders)
     ]
     assert len({*orders}) == 2
+
+
+def test_a_find_takes_a_name_that_nobody_has_and_leaves_nothing_else(hunted, tmp_path):
+    (tmp_path / "hunt-1.twin.yaml").write_text("somebody's\n")
+    assert hunted(BRITTLE, "--runs", "30")[0] == 1
+    assert (tmp_path / "hunt-1.twin.yaml").read_text() == "somebody's\n"
+    names = {path.name for path in tmp_path.glob("*.twin.yaml")}
+    assert "hunt-2.twin.yaml" in names
+    assert not {name for name in names if name.startswith(".")}

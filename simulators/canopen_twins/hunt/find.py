@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import os
+import secrets
 import subprocess
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import count
 from pathlib import Path
@@ -113,7 +115,7 @@ def write_find(contract: Contract, result: Result, failure: Failure, folder: Pat
         UserError: it cannot be written.
     """
     assert result.verdict is not None
-    path = _free_name(folder)
+    trial = folder / f".{secrets.token_hex(8)}{SUFFIX}"  # what fails otherwise has no name yet
     whereabouts = dict(zip(result.failures, result.whereabouts, strict=True)).get(failure, "")
     named: dict[str, object] = {
         "name": f"{result.verdict.name}: {', '.join(result.plan.faults) or 'without any fault'}",
@@ -121,19 +123,25 @@ def write_find(contract: Contract, result: Result, failure: Failure, folder: Pat
     }
     text = contract.text(result.plan, named, folder)
     try:
-        write_whole(path, text)
+        write_whole(trial, text)
+        if not _fails_the_same(trial, contract, failure, result):
+            return None
+        path = trial.replace(_free_name(folder))
     except OSError as error:
-        raise UserError(f"{path} cannot be written: {error.strerror}") from error
-    if _fails_the_same(path, contract, failure, result):
-        steps = contract.parts - len(result.plan.left_out)
-        return Find(failure, path, result.plan, result.verdict, steps, text)
-    path.unlink()
-    return None
+        raise UserError(f"a find cannot be written to {folder}: {error.strerror}") from error
+    finally:
+        trial.unlink(missing_ok=True)
+    steps = contract.parts - len(result.plan.left_out)
+    return Find(failure, path, result.plan, result.verdict, steps, text)
 
 
 def _free_name(folder: Path) -> Path:
-    names = (folder / f"hunt-{n}{SUFFIX}" for n in count(1))
-    return next(path for path in names if not path.exists())
+    """One that is ours from now on: another hunt in this folder takes the next."""
+    for path in (folder / f"hunt-{n}{SUFFIX}" for n in count(1)):
+        with suppress(FileExistsError):
+            path.touch(exist_ok=False)
+            return path
+    raise AssertionError  # there is always another number
 
 
 def _fails_the_same(path: Path, contract: Contract, failure: Failure, before: Result) -> bool:
