@@ -1,5 +1,6 @@
 """Runs in other processes, some of which die."""
 
+import io
 import os
 import signal
 import time
@@ -9,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from canopen_twins.errors import UserError
-from canopen_twins.hunt.workers import AHEAD, DEATHS, Pool
+from canopen_twins.hunt.workers import AHEAD, DEATHS, Pool, _receive, _send
 
 
 def double(number):
@@ -90,3 +91,12 @@ def test_what_a_function_refuses_and_a_bug_come_out_here(pool):
     with pytest.raises(RuntimeError, match="KeyError: 5"):
         list(pool(break_down, [5]))
     assert list(pool(double, [1])) == [2]
+
+
+def test_a_message_that_breaks_off_is_the_death_of_who_has_sent_it():
+    whole = io.BytesIO()
+    _send(whole, "a message")
+    for length in (0, 5, 8, len(whole.getvalue()) - 1):
+        with pytest.raises(EOFError):
+            _receive(io.BytesIO(whole.getvalue()[:length]))
+    assert _receive(io.BytesIO(whole.getvalue())) == "a message"

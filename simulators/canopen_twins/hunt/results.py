@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Iterator
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
@@ -65,7 +64,3 @@ class Results(AbstractContextManager["Results"]):
 
     def _find(self, key: str) -> Any:
         return self._database.execute("SELECT told FROM runs WHERE key = ?", (key,)).fetchone()
-
-    def keys(self) -> Iterator[str]:
-        """Of all runs that are kept."""
-        yield from (key for (key,) in self._database.execute("SELECT key FROM runs ORDER BY key"))

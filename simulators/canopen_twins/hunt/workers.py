@@ -180,8 +180,8 @@ def _send(pipe: IO[bytes], message: object) -> None:
 
 def _receive(pipe: IO[bytes]) -> Any:
     """Raises `EOFError` at the end, in the middle of a message too."""
-    data = pipe.read(int.from_bytes(_read(pipe, SIZE), "big"))
-    return pickle.loads(data)
+    size = int.from_bytes(_read(pipe, SIZE), "big")
+    return pickle.loads(_read(pipe, size))
 
 
 def _read(pipe: IO[bytes], size: int) -> bytes:
