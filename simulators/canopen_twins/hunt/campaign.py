@@ -44,16 +44,22 @@ class Campaign:
             play: One run; by default that of the contract as it lies here.
             tell: Called with the number of runs that have been played, after each.
         """
-        missing = [plan for plan in self.grid.plans() if self.key(plan) not in self._results]
-        playing = everybody(play or partial(run, self.grid.contract), missing)
-        for done, (plan, result) in enumerate(zip(missing, playing, strict=True), start=1):
-            self._results.keep(self.key(plan), self._told(result))
+        missing = [(plan, key) for plan, key in self._keyed if key not in self._results]
+        plans = [plan for plan, _ in missing]
+        playing = everybody(play or partial(run, self.grid.contract), plans)
+        for done, ((_, key), result) in enumerate(zip(missing, playing, strict=True), start=1):
+            self._results.keep(key, self._told(result))
             tell(done)
         return len(missing)
 
     def key(self, plan: Plan) -> str:
         """All that a run depends on: its text, the master's files, and this program."""
         return sha256(f"{self._code}\n{self.grid.contract.text(plan)}".encode()).hexdigest()
+
+    @cached_property
+    def _keyed(self) -> list[tuple[Plan, str]]:
+        """A key is the text of a run, which is written once."""
+        return [(plan, self.key(plan)) for plan in self.grid.plans()]
 
     @cached_property
     def _code(self) -> str:
@@ -72,8 +78,8 @@ class Campaign:
 
     def runs(self) -> Iterator[tuple[Plan, Told]]:
         """All that are kept, in the order of the grid."""
-        for plan in self.grid.plans():
-            if (key := self.key(plan)) in self._results:
+        for plan, key in self._keyed:
+            if key in self._results:
                 yield plan, self._results[key]
 
     def failed(self) -> Mapping[Failure, list[Plan]]:
