@@ -11,7 +11,7 @@ from typing import Annotated, Any
 from pydantic import ConfigDict, Discriminator, Field, Tag
 
 from canopen_twins.errors import UserError, unknown
-from canopen_twins.files.document import Item, Mistake
+from canopen_twins.files.document import Item
 from canopen_twins.files.leaves import (
     HIGHEST,
     File,
@@ -167,8 +167,6 @@ def _try(item: Item, contract: Contract, plan: Plan) -> None:
     with item.problems.at(item):
         try:
             contract.scenario(plan)
-        except Mistake:
-            raise
         except UserError as refusal:
             raise item.wrong(_without_place(str(refusal))) from refusal
 
