@@ -17,6 +17,8 @@ def port() -> Iterator[Port]:
         "battery": (BATTERY, {"node_id": 9}),
     }
     with served(nodes) as port:
+        while not port.get("/nodes/engine/values").body:  # its gateway is still waiting for it
+            pass
         yield port
 
 

@@ -9,12 +9,17 @@ from pathlib import Path
 
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "touch-a-running-twin.md"
 BEGIN = "trap 'kill $(jobs -p) 2>/dev/null || true' EXIT\n"
-READY = "until (: > /dev/tcp/127.0.0.1/{}) 2>/dev/null; do sleep 0.1; done\n"
+READY = "until grep -qs ready {}; do sleep 0.1; done\n"
 
 
 def free_port():
     with socket.create_server(("127.0.0.1", 0)) as server:
         return str(server.getsockname()[1])
+
+
+def in_the_background(line, out):
+    """A line of shell that ends in `&`, and then its ready line waited for."""
+    return f"{line.rstrip().removesuffix('&')} > {out} &\n{READY.format(out)}"
 
 
 def test_the_page_does_what_it_says(tmp_path):
@@ -24,8 +29,8 @@ def test_the_page_does_what_it_says(tmp_path):
     port, hub = free_port(), free_port()
     (tmp_path / "touch.py").write_text(python.replace("8123", port))
     hub_line, run_line = start.splitlines(keepends=True)
-    waits = (READY.format(hub), READY.format(port))
-    lines = [BEGIN, hub_line, waits[0], run_line, waits[1], *blocks, "python touch.py\n"]
+    lines = [BEGIN, in_the_background(hub_line, "hub.out"), in_the_background(run_line, "run.out")]
+    lines += [*blocks, "python touch.py\n"]
     script = "".join(lines).replace("8123", port).replace("--hub", f"--hub :{hub}")
     script = script.replace("canopen-twin hub", f"canopen-twin hub --listen :{hub}")
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
