@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from canopen_twins.live.hub_process import hub_process
+
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "touch-a-running-twin.md"
 BEGIN = "trap 'kill $(jobs -p) 2>/dev/null || true' EXIT\n"
 READY = "until grep -qs ready {}; do sleep 0.1; done\n"
@@ -26,23 +28,21 @@ def test_the_page_does_what_it_says(tmp_path):
     text = PAGE.read_text("utf-8")
     _, start, *blocks = re.findall(r"```sh\n(.*?)```", text, re.DOTALL)
     (python,) = re.findall(r"```python file=touch.py\n(.*?)```", text, re.DOTALL)
-    port, hub = free_port(), free_port()
+    port = free_port()
     (tmp_path / "touch.py").write_text(python.replace("8123", port))
-    hub_line, run_line = start.splitlines(keepends=True)
-    lines = [BEGIN, in_the_background(hub_line, "hub.out"), in_the_background(run_line, "run.out")]
-    lines += [*blocks, "python touch.py\n"]
-    script = "".join(lines).replace("8123", port).replace("--hub", f"--hub :{hub}")
-    script = script.replace("canopen-twin hub", f"canopen-twin hub --listen :{hub}")
+    lines = [BEGIN, in_the_background(start, "run.out"), *blocks, "python touch.py\n"]
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    done = subprocess.run(
-        ["bash", "-exc", script],
-        cwd=tmp_path,
-        env={**os.environ, "PATH": path, "XDG_RUNTIME_DIR": str(tmp_path)},
-        capture_output=True,
-        text=True,
-        timeout=40,
-        check=False,
-    )
+    with hub_process() as hub:  # not the usual one, which others may be on
+        script = "".join(lines).replace("8123", port).replace("--hub", f"--hub {hub}")
+        done = subprocess.run(
+            ["bash", "-exc", script],
+            cwd=tmp_path,
+            env={**os.environ, "PATH": path, "XDG_RUNTIME_DIR": str(tmp_path)},
+            capture_output=True,
+            text=True,
+            timeout=40,
+            check=False,
+        )
     assert done.returncode == 0, done.stdout + done.stderr
     assert '"running": true' in done.stdout
     assert "Active:\n\nheartbeat_late(seconds=0.5)\n" in done.stdout

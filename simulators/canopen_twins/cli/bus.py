@@ -5,7 +5,7 @@ import json
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from configparser import Error as ConfigParserError
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from errno import EAFNOSUPPORT, ENODEV
 from functools import partial
 from typing import Any, NamedTuple
@@ -19,10 +19,11 @@ from canopen_twins.bus.hub.protocol import HubAddress
 from canopen_twins.cli.command import Parser
 from canopen_twins.errors import UserError
 from canopen_twins.live.bus import OpenBus
-from canopen_twins.live.hub_process import hub_process
+from canopen_twins.live.hub_process import hub_of_run, hub_process
 from canopen_twins.live.master_process import BusPlace
 
 DEFAULT_BUS = "vcan0"  # on a hub
+USUAL_HUB = HubAddress()
 
 NO_CAN = (EAFNOSUPPORT, ENODEV)
 """Of a machine without CAN sockets, or without such an interface."""
@@ -38,10 +39,9 @@ VIRTUAL: Mapping[str, Callable[[Mapping[str, Any]], bool]] = {
 
 def add_bus(parser: Parser) -> None:
     """A hub or a bus of python-can."""
-    text = (
-        f"join a hub (default: {HubAddress()}, or with a COMMAND one of this run alone); the bus is"
-        " that of -c"
-    )
+    else_own = ", or one of this run alone: with a COMMAND, or if there is none"
+    default = f"{USUAL_HUB}{else_own if parser.takes_command else ''}"
+    text = f"join a hub (default: {default}); the bus is that of -c"
     parser.add_argument("--hub", nargs="?", const="", metavar="HOST:PORT", help=text)
     parser.add_argument(
         "--real-bus", action="store_true", help="the bus may have real devices on it"
@@ -64,18 +64,23 @@ class NamedBus(NamedTuple):
 
 @contextmanager
 def bus_of_run(options: argparse.Namespace) -> Iterator[NamedBus]:
-    """The bus of the options; with a command and `--hub` alone there is a hub meanwhile.
+    """The bus of the options; with `--hub` alone there is a hub meanwhile, if there is none.
 
     Raises:
         UserError: they contradict each other, or name a real bus without saying so.
     """
-    with hub_process() if options.words and options.hub == "" else nullcontext() as address:
-        if address is not None:
-            options.hub = str(address)
+    _check_hub(options)
+    with _hub_alone(options) if options.hub == "" else nullcontext(options.hub) as address:
+        options.hub = None if address is None else str(address)
         bus = named_bus(options)
         if options.words and bus.private:
             raise UserError("no other process can join a virtual bus: say --hub with a COMMAND")
         yield bus
+
+
+def _hub_alone(options: argparse.Namespace) -> AbstractContextManager[HubAddress]:
+    """A master that is told where its hub is meets no other run on it."""
+    return hub_process() if options.words else hub_of_run(USUAL_HUB)
 
 
 def named_bus(options: argparse.Namespace) -> NamedBus:
@@ -87,9 +92,13 @@ def named_bus(options: argparse.Namespace) -> NamedBus:
     return bus
 
 
-def _of_a_hub(options: argparse.Namespace) -> NamedBus:
-    if "interface" in options:
+def _check_hub(options: argparse.Namespace) -> None:
+    if options.hub is not None and "interface" in options:
         raise UserError("--hub is a bus by itself: leave --interface out")
+
+
+def _of_a_hub(options: argparse.Namespace) -> NamedBus:
+    _check_hub(options)
     address, name = HubAddress.parse(options.hub), getattr(options, "channel", DEFAULT_BUS)
     told = {"hub": str(address), "channel": name}
     place = BusPlace.on_hub(address, name)

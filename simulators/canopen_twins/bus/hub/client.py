@@ -25,6 +25,15 @@ SEND_PATIENCE = 0.5  # seconds for it to take a frame: a twin's time waits, and 
 CHUNK = 1 << 16  # bytes
 
 
+def is_hub(address: HubAddress) -> bool:
+    """Whether somebody is there who greets as a hub does, or says why not."""
+    try:
+        with socket.create_connection(address, PATIENCE) as connection:
+            return connection.recv(1) == element("hi")[:1]
+    except OSError:
+        return False
+
+
 class HubBus(can.BusABC):
     """One client of a hub, or of a socketcand; remote frames come and go as such."""
 
