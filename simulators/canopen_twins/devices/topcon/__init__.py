@@ -30,7 +30,7 @@ from canopen_twins.devices.topcon.model.states import Mode
 from canopen_twins.devices.topcon.panel import Panel
 from canopen_twins.devices.topcon.settings import Settings
 
-MODE_BIT = {Mode.OFF: 0, Mode.VOLTAGE: 1 << 1, Mode.CURRENT: 1 << 2, Mode.POWER: 1 << 3}  # Tab. 60
+RUNNING = {Mode.VOLTAGE: 1 | 1 << 1, Mode.CURRENT: 1 | 1 << 2, Mode.POWER: 1 | 1 << 3}  # Tab. 60
 SET_VALUES = range(0x2010, 0x2014)
 STORED = tuple((index, 0) for index in (0x2010, 0x2011, 0x2012, 0x2013, 0x2030, 0x2031))  # Tab. 45
 MEASURED = tuple((index, 0) for index in (0x2020, 0x2021, 0x2022))
@@ -225,5 +225,5 @@ class Device(device.Device):
 
     def _state_of_output(self) -> int:
         stage = self.stage
-        bits = stage.running | MODE_BIT[stage.mode]
+        bits = RUNNING[stage.mode] if stage.running else 0
         return bits | stage.warning << 14 | bool(stage.errors) << 15  # Tab. 60

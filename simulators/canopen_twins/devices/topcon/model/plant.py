@@ -16,6 +16,7 @@ TOUCH = 1.001  # the derated maximum bends the output from this much above the c
 EVEN = 1e-4  # K: so near its end, the temperature moves the output by 0.01 parts at most
 SLOW = 1e-3  # of full scale a step: heat moves the output no faster
 CREEP = 0.01  # s in one go while it does
+ON = (StageState.RUN, StageState.WARN)
 
 
 @dataclass(eq=False)
@@ -99,7 +100,7 @@ class Plant(Inputs):
     @property
     def running(self) -> bool:
         """Whether the output is on."""
-        return self.state is StageState.RUN or self.state is StageState.WARN
+        return self.state in ON
 
     @property
     def mode(self) -> Mode:
