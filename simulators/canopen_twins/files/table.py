@@ -1,8 +1,12 @@
 """Tables of a file as pydantic models: each value is read once, and the same as JSON Schema."""
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+import ast
+import inspect
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
+from textwrap import dedent
 from typing import Annotated, Any, ClassVar, Self, TypeVar
 
 from pydantic import (
@@ -116,7 +120,7 @@ class Leaf:
 class Table(BaseModel):
     """Keys and their values; the docstring below a field is what editors say of it."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+    model_config = ConfigDict(extra="forbid", frozen=True)
     rules: ClassVar[tuple[Rule, ...]] = ()
     _place: Item = PrivateAttr()
 
@@ -155,9 +159,29 @@ class Table(BaseModel):
         cls, core: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
         schema = super().__get_pydantic_json_schema__(core, handler)
+        table = handler.resolve_ref_schema(schema)
+        for name, words in _docstrings(cls):
+            table["properties"][cls.model_fields[name].alias or name]["description"] = words
         if cls.rules:
-            handler.resolve_ref_schema(schema)["allOf"] = [rule.schema for rule in cls.rules]
+            table["allOf"] = [rule.schema for rule in cls.rules]
         return schema
+
+
+def _docstrings(table: type[Table]) -> Iterator[tuple[str, str]]:
+    """The fields of a table with what stands below them.
+
+    pydantic does this too, but whenever it makes a model: every file that is read would wait.
+    """
+    for kind in reversed(table.__mro__[: table.__mro__.index(Table)]):
+        [told] = ast.parse(dedent(inspect.getsource(kind))).body
+        assert isinstance(told, ast.ClassDef)
+        for entry, below in pairwise(told.body):
+            match entry, below:
+                case (
+                    ast.AnnAssign(target=ast.Name(id=name)),
+                    ast.Expr(value=ast.Constant(value=str(words))),
+                ) if name in table.model_fields:
+                    yield name, inspect.cleandoc(words)
 
 
 def _report(item: Item, failure: ValidationError, known: Collection[str] = ()) -> set[object]:
