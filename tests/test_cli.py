@@ -8,7 +8,7 @@ import pytest
 
 from canopen_twins import Bench, devices
 from canopen_twins.cli import main
-from canopen_twins.cli.check import load
+from canopen_twins.cli.scenario_file import load
 from canopen_twins.files.shipped import od_file, scenarios
 from canopen_twins.files.whole import held
 

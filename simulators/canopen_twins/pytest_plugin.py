@@ -433,7 +433,7 @@ def read(name: str) -> Scenario:
     Raises:
         UserError: there is neither, or something is wrong with it.
     """
-    from canopen_twins.cli.check import load  # noqa: PLC0415
+    from canopen_twins.cli.scenario_file import load  # noqa: PLC0415
 
     here = Path.cwd()
     return load(str(Path(name).relative_to(here)) if Path(name).is_relative_to(here) else name)

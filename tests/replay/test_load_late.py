@@ -26,14 +26,15 @@ def test_commands_that_read_no_scenario_do_without(command):
     assert not imported("-m", "canopen_twins", *command.split())
 
 
-def test_a_run_without_a_scenario_does_without():
+@pytest.mark.parametrize("late", [LATE, "canopen_twins.scenario", "canopen_twins.bench"])
+def test_a_run_without_a_scenario_does_without(late):
     command = [*PYTHON, "-m", "canopen_twins", "run", "topcon", "-i", "virtual"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as run:
         run.stdout.readline()
         run.send_signal(signal.SIGTERM)
         _, err = run.communicate(timeout=10)
     assert run.returncode == 0
-    assert LATE not in err.decode()
+    assert late not in err.decode()
 
 
 def test_the_fixtures_do_without(tmp_path):

@@ -5,8 +5,7 @@ import json
 import re
 import sys
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext
-from dataclasses import fields, replace
+from dataclasses import fields
 from os.path import relpath
 from pathlib import Path
 
@@ -14,12 +13,12 @@ from canopen_twins import devices
 from canopen_twins import scenario as rules
 from canopen_twins.bench.bench import Bench
 from canopen_twins.cli.command import OK, SCENARIO, WRONG_INPUT, Parser
+from canopen_twins.cli.scenario_file import load
 from canopen_twins.device.device import Device
 from canopen_twins.device.settings import about
 from canopen_twins.devices.eds import described
-from canopen_twins.errors import UserError, unknown
+from canopen_twins.errors import UserError
 from canopen_twins.files.document import LARGEST_FILE, Item, understand
-from canopen_twins.files.shipped import scenario_file, scenarios
 from canopen_twins.files.whole import read_plain
 
 
@@ -104,25 +103,6 @@ def _is_bench(file: Item) -> bool:
 
 def _counted(remarks: Sequence[str]) -> str:
     return "1 remark" if len(remarks) == 1 else f"{len(remarks)} remarks"
-
-
-def load(name: str) -> rules.Scenario:
-    """A scenario from a file, or one that is shipped; verdicts call it as the user does.
-
-    Raises:
-        UserError: there is neither, or something is wrong with it.
-    """
-    with found(name) as path:
-        if not path.exists() and path.name == name:
-            raise unknown("file or shipped scenario", name, scenarios())
-        return replace(rules.load(path), file=Path(name))
-
-
-def found(name: str) -> AbstractContextManager[Path]:
-    """The path of a scenario; one that is shipped has a path only meanwhile."""
-    if name in scenarios() and not Path(name).exists():
-        return scenario_file(name)
-    return nullcontext(Path(name))
 
 
 def add_schema(parser: Parser) -> None:

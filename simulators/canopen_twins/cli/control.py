@@ -1,9 +1,11 @@
 """--control: the port by which a run can be touched."""
 
+from __future__ import annotations
+
 import argparse
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from canopen_twins.bus.hub.protocol import HubAddress
 from canopen_twins.bus.segment import Segment
@@ -12,7 +14,9 @@ from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
 from canopen_twins.live.orders import Orders
 from canopen_twins.live.running import Running, announced
-from canopen_twins.scenario import Player
+
+if TYPE_CHECKING:
+    from canopen_twins.scenario import Player
 
 
 def add_control(parser: Parser) -> None:

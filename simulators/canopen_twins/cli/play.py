@@ -10,10 +10,10 @@ from typing import TextIO
 
 from canopen_twins import scenario as simulated
 from canopen_twins.bus.segment import Segment
-from canopen_twins.cli.check import load
 from canopen_twins.cli.command import FAILED, OK, PLOT, SCENARIO, Parser
 from canopen_twins.cli.master import add_master, with_master
 from canopen_twins.cli.results import Announcer, add_recording, add_reports, recording
+from canopen_twins.cli.scenario_file import load
 from canopen_twins.cli.words import Words, is_coloured
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError

@@ -9,16 +9,14 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TextIO
 
-from canopen_twins.cli.check import found
 from canopen_twins.cli.command import Parser
 from canopen_twins.device.device import Device
 from canopen_twins.errors import UserError
 from canopen_twins.files.whole import report_file, write_whole
-from canopen_twins.scenario import Scenario, Verdict
-from canopen_twins.scenario.verdict import as_json, as_junit
 
 if TYPE_CHECKING:
     from canopen_twins.record.trace import Observer
+    from canopen_twins.scenario import Scenario, Verdict
 
 
 def add_reports(parser: Parser) -> None:
@@ -75,6 +73,9 @@ class Announcer:
         Raises:
             UserError: the report cannot be written.
         """
+        # who has told of a verdict has imported it; a run without one does not
+        from canopen_twins.scenario.verdict import as_json, as_junit  # noqa: PLC0415
+
         if self._junit is not None:
             try:
                 write_whole(self._junit, as_junit(self._verdicts))
@@ -101,6 +102,7 @@ def recording(
         yield observers
         return
     # a run that keeps nothing starts without pydantic
+    from canopen_twins.cli.scenario_file import found  # noqa: PLC0415
     from canopen_twins.record.folder import record  # noqa: PLC0415
     from canopen_twins.record.manifest import Manifest, device_files  # noqa: PLC0415
     from canopen_twins.record.trace import trace_file  # noqa: PLC0415

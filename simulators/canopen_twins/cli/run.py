@@ -1,5 +1,7 @@
 """run: twins on a CAN bus in real time; one device, the nodes of a scenario, or of a bench file."""
 
+from __future__ import annotations
+
 import argparse
 import json
 import logging
@@ -7,13 +9,13 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from can.cli import add_bus_arguments
 
+from canopen_twins.bus.clock import Stalls
 from canopen_twins.bus.segment import Segment
 from canopen_twins.cli.bus import NamedBus, add_bus, bus_of_run, join_hub
-from canopen_twins.cli.check import load
 from canopen_twins.cli.command import (
     DEVICE,
     FAILED,
@@ -31,8 +33,9 @@ from canopen_twins.cli.command import (
 from canopen_twins.cli.control import Control, add_control, controlled
 from canopen_twins.cli.participants import participants_of, title
 from canopen_twins.cli.results import Announcer, add_recording, add_reports, recording
+from canopen_twins.cli.telling import StateOnDemand, add_words, telling
 from canopen_twins.cli.tolerances import add_tolerances
-from canopen_twins.cli.words import StateOnDemand, add_words, telling
+from canopen_twins.device.boot import switch_on
 from canopen_twins.device.device import Device
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
@@ -44,8 +47,9 @@ from canopen_twins.live.master_watch import MasterWatch
 from canopen_twins.live.node_id_watch import NodeIdWatch
 from canopen_twins.live.run_end import RunEnd
 from canopen_twins.live.serve import serve
-from canopen_twins.scenario import Player, Scenario, begin
-from canopen_twins.scenario.scenario import EndsWith, Stalls
+
+if TYPE_CHECKING:
+    from canopen_twins.scenario import Player, Scenario
 
 log = logging.getLogger(__name__)
 
@@ -113,16 +117,31 @@ class Prepared(NamedTuple):
 
 def _prepared(options: argparse.Namespace) -> Prepared:
     segment: Segment[Node] = Segment()
-    scenario = load(options.scenario) if options.scenario else None
+    scenario = _scenario(options) if options.scenario else None
     participants = participants_of(options, scenario)
     nodes = {name: connect(segment, device, name) for name, device in participants.items()}
-    player = None
-    if scenario is not None:
-        until_told = bool(options.words) and scenario.ends_with is EndsWith.COMMAND
-        player = Player(scenario, segment, nodes, until_told)
+    player = _player(options, scenario, segment, nodes) if scenario is not None else None
     _tune(segment, getattr(options, "bitrate", None))
     segment.clock.catches_up = _catches_up(options, scenario)
     return Prepared(segment, scenario, participants, player)
+
+
+def _scenario(options: argparse.Namespace) -> Scenario:
+    # twins without a scenario start without what plays one: half of what there is to import
+    from canopen_twins.cli.scenario_file import load  # noqa: PLC0415
+
+    return load(options.scenario)
+
+
+def _player(
+    options: argparse.Namespace,
+    scenario: Scenario,
+    segment: Segment[Node],
+    nodes: Mapping[str, Node],
+) -> Player:
+    from canopen_twins.scenario import Player  # noqa: PLC0415 - as above
+
+    return Player(scenario, segment, nodes, bool(options.words) and scenario.ends_with_command)
 
 
 def _run(options: argparse.Namespace, signals: Signals) -> int:
@@ -161,7 +180,9 @@ def _serve(
         recording(options, "run", scenario, run.participants) as observers,
         telling(options) as told,
     ):
-        begin(segment, run.player, [*observers, *told.observers])
+        for attach in (*observers, *told.observers):
+            attach(segment, run.player)
+        switch_on(segment, None if run.player is None else run.player.start)
         silent = _silent(segment)
         ready = {
             **_ready(title(options, scenario), segment),

@@ -1,26 +1,21 @@
-"""What happens on a bus in words, as it happens; and how the twins are, when SIGUSR1 asks."""
+"""What happens on a bus in words, as it happens."""
 
-import argparse
 import os
-import sys
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from functools import partial
 from queue import Empty, Full, Queue
 from threading import Thread
-from typing import NamedTuple, TextIO
+from typing import TextIO
 
 from canopen_twins.bus import sdo
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Record, Segment
-from canopen_twins.cli.command import Parser, Signals
 from canopen_twins.device.node import Node
 from canopen_twins.diagnosis.decoder import Decoder
-from canopen_twins.diagnosis.report import SHOWN, device_report, frame_line
+from canopen_twins.diagnosis.report import SHOWN, frame_line
 from canopen_twins.diagnosis.why import why_frame
 from canopen_twins.record.journal import EventLine
-from canopen_twins.record.trace import Observer
 from canopen_twins.scenario import Player, PlayerEvent
 from canopen_twins.scenario.matchers import EmcyLike
 from canopen_twins.slave.service import State
@@ -29,12 +24,6 @@ MOST_WAITING = 10_000  # lines that nobody has read yet
 EMCY = EmcyLike()
 COLOURS: Mapping[str, str] = {"refusal": "31", "emcy": "33", "state": "36", "player": "35"}
 """Of a line, as SGR of ECMA-48."""
-
-
-def add_words(parser: Parser) -> None:
-    """--words."""
-    text = "print what happens: frames in words, refusals, states; -q leaves usual frames out"
-    parser.add_argument("--words", dest="tells", action="store_true", help=text)
 
 
 class Printer:
@@ -146,49 +135,3 @@ def is_coloured(stream: TextIO, environment: Mapping[str, str] = os.environ) -> 
     """Whether somebody looks at it who wants colours (no-color.org)."""
     wanted = not environment.get("NO_COLOR") and environment.get("TERM") != "dumb"
     return wanted and stream.isatty()
-
-
-class Telling(NamedTuple):
-    """What prints a run."""
-
-    observers: Sequence[Observer] = ()
-    """Who has to hear of it."""
-    start: Callable[[], None] = lambda: None
-    """To be called when the twins are on the bus."""
-
-
-@contextmanager
-def telling(options: argparse.Namespace) -> Iterator[Telling]:
-    """What prints a run, if that is wanted; where stdout is for a program, on stderr."""
-    if not options.tells:
-        yield Telling()
-        return
-    stream = sys.stderr if options.json else sys.stdout
-    printer = Printer(stream)
-    try:
-        told = Words(printer.put, is_coloured(stream), options.quiet)
-        yield Telling((told.attach,), printer.start)
-    finally:
-        printer.close()
-
-
-class StateOnDemand:
-    """How the twins are, on stderr, when SIGUSR1 has come: between two frames, not half-way."""
-
-    def __init__(self, segment: Segment[Node], signals: Signals) -> None:
-        self._nodes = segment.nodes
-        self._segment = segment
-        self._signals = signals
-        self._records: deque[Record] = deque(maxlen=SHOWN)
-        segment.listeners.append(self._hear)
-
-    def tell_if_asked(self) -> None:
-        """Tell it, if somebody has asked since."""
-        if self._signals.asks_for_state:
-            self._signals.asks_for_state = False
-            told = [device_report(node, list(self._records)) for node in self._nodes]
-            lines = [f"{self._segment.clock.now:.6f} s", *told]
-            print("\n".join(lines), file=sys.stderr, flush=True)
-
-    def _hear(self, frame: Frame, sender: str) -> None:
-        self._records.append(Record(self._segment.clock.now, frame, sender))

@@ -1,11 +1,16 @@
 """Whether a master is there at all, for a scenario that is about one."""
 
+from __future__ import annotations
+
 import logging
+from typing import TYPE_CHECKING
 
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
-from canopen_twins.scenario import Player
+
+if TYPE_CHECKING:
+    from canopen_twins.scenario import Player
 
 log = logging.getLogger(__name__)
 

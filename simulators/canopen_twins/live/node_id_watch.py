@@ -1,13 +1,18 @@
 """Whether another node on the bus has one of our node ids: it sends what only ours does."""
 
+from __future__ import annotations
+
 import logging
+from typing import TYPE_CHECKING
 
 from canopen_twins.bus import identifiers
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
-from canopen_twins.scenario import Player
 from canopen_twins.slave.emcy import emcy_id
+
+if TYPE_CHECKING:
+    from canopen_twins.scenario import Player
 
 log = logging.getLogger(__name__)
 

@@ -1,12 +1,16 @@
 """When the master of a run begins, when the run is over, and what its verdict says of that."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from canopen_twins.live.master_process import MasterProcess
 from canopen_twins.live.node_id_watch import NodeIdWatch
 from canopen_twins.live.parent import Parent
-from canopen_twins.scenario import Player
-from canopen_twins.scenario.scenario import EndsWith
+
+if TYPE_CHECKING:
+    from canopen_twins.scenario import Player
 
 
 class RunEnd:
@@ -71,5 +75,5 @@ class RunEnd:
         assert self._player is not None
         if self._master.failure:
             self._player.abort(f"the command {self._master}", self._master.failure)
-        elif self._player.scenario.ends_with is EndsWith.COMMAND:
+        elif self._player.scenario.ends_with_command:
             self._player.conclude()

@@ -5,9 +5,10 @@ from contextlib import AbstractContextManager, nullcontext
 from typing import TextIO, TypeVar
 
 from canopen_twins.bench.bench import Bench
-from canopen_twins.bus.clock import MICROSECONDS, Clock, microseconds
+from canopen_twins.bus.clock import Clock
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Record, Segment
+from canopen_twins.device.boot import switch_on
 from canopen_twins.device.node import Node
 from canopen_twins.faults import connect
 from canopen_twins.scenario.player import Player
@@ -16,7 +17,6 @@ from canopen_twins.scenario.verdict import Verdict
 
 AnyPlayer = TypeVar("AnyPlayer", bound=Player | None)
 
-GRAIN = 1 / MICROSECONDS
 SLICE = 1.0  # seconds between two reports of progress
 
 
@@ -68,28 +68,7 @@ def begin(
     """Switch the nodes of a segment on, when everybody is there who wants to hear them boot."""
     for attach in observers:
         attach(segment, player)
-    _boot_until_zero(segment)
-    if player is not None:
-        player.start()
-    for node in segment.nodes:
-        node.power_on()
-    if player is None:
-        segment.clock.advance_to(segment.clock.now)
-
-
-def _boot_until_zero(segment: Segment[Node]) -> None:
-    """Let power come so long before 0 s that every node boots at 0: there a run begins."""
-    clock, boot_times = segment.clock, {}
-    for node in segment.nodes:
-        if boot_time := microseconds(node.device.timing.boot_time):
-            boot_times[node] = boot_time
-    if not boot_times:
-        return
-    clock.ticks -= max(boot_times.values())
-    for node, boot_time in boot_times.items():
-        clock.at_tick(-boot_time, node.power_on)
-    clock.advance_to(-GRAIN)
-    clock.ticks = 0  # they boot with the next move of the clock, before the first step
+    switch_on(segment, None if player is None else player.start)
 
 
 def print_frames(file: TextIO) -> Callable[[Segment[Node], object], None]:

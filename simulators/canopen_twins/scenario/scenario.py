@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from canopen_twins.bench.python_master import PythonMaster
+from canopen_twins.bus.clock import Stalls
 from canopen_twins.device.device import Device
 from canopen_twins.scenario.actions import Action
 from canopen_twins.scenario.matchers import Condition
@@ -34,15 +35,6 @@ class EndsWith(StrEnum):
 
     SCENARIO = "scenario"
     COMMAND = "command"
-
-
-class Stalls(StrEnum):
-    """What becomes of periodic messages that are late by more than a period, in real time."""
-
-    SKIP = "skip"
-    """They are sent once, and go on in step."""
-    CATCH_UP = "catch-up"
-    """All of them are sent, one right after the other."""
 
 
 @dataclass(frozen=True)
@@ -145,6 +137,11 @@ class Scenario:
     """Who is tested; None: whoever is on the bus, or nobody."""
     master_line: int = 1
     """Of the file, where it stands; its first one if somebody else has named it."""
+
+    @property
+    def ends_with_command(self) -> bool:
+        """Whether a command that runs beside it ends the run."""
+        return self.ends_with is EndsWith.COMMAND
 
     @property
     def length(self) -> float | None:

@@ -9,6 +9,7 @@ from typing import Annotated, ClassVar
 
 from pydantic import ConfigDict, Discriminator, Field, Tag
 
+from canopen_twins.bus.clock import Stalls
 from canopen_twins.bus.frame import Frame, pattern
 from canopen_twins.device.faults import WEATHERS
 from canopen_twins.device.node import Node as Twin
@@ -45,7 +46,7 @@ from canopen_twins.files.table import (
 )
 from canopen_twins.scenario.actions import PATIENCE
 from canopen_twins.scenario.matchers import COMMANDS
-from canopen_twins.scenario.scenario import EndsWith, Stalls
+from canopen_twins.scenario.scenario import EndsWith
 from canopen_twins.scenario.sdo_client import ACCEPTED
 from canopen_twins.slave.service import State
 
