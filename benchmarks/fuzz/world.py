@@ -78,7 +78,7 @@ class World:
         match event:
             case Send(frame):
                 self.frames += 1
-                self._bench.put(frame)
+                self._listen(frame, self._bench.put(frame))
             case Wait(seconds):
                 self._bench.run(seconds)
             case Power(on):
@@ -106,6 +106,26 @@ class World:
             self._bench.power_off()
             if not self.node.faults.active:
                 self._disturbed = False
+
+    def _listen(self, frame: Frame, said: list[str]) -> None:
+        """What came at once; raises `BrokenError` if it is an answer to what is no question.
+
+        CiA 301 7.2.4.3: the server answers requests, and an abort is none; a COB-ID has 11 bits
+        unless its object says otherwise, and is that of data frames. 7.3.2.2: NMT has one node
+        or all of them.
+        """
+        if self._disturbed or not said:
+            return
+        node_id = self.node.node_id
+        asked = frame.can_id == identifiers.sdo_request(node_id)
+        asked = asked and not (frame.remote or frame.extended or sdo.is_abort(frame.data))
+        answers = [
+            text for text in said if text.startswith(f"{identifiers.sdo_answer(node_id):X}#")
+        ]
+        if answers and not asked:
+            raise _unasked(answers[0], frame)
+        if frame.can_id == identifiers.NMT and frame.data[1:2] not in (b"\0", bytes([node_id])):
+            raise _unasked(said[0], frame)
 
     # What is heard
 
@@ -254,6 +274,10 @@ class World:
                 where, wanted = address_text(address), int.from_bytes(value, "little")
                 words = f"clear: {where} is {ours.get(address)!r}, not {value!r}"
                 raise BrokenError(words, {"value": {where: wanted}})
+
+
+def _unasked(said: str, frame: Frame) -> BrokenError:
+    return BrokenError(f"not silent: {said} after {frame}", {"never": {"frame": said}})
 
 
 def _communication(node: Node) -> Mapping[sdo.Address, bytes]:
