@@ -371,6 +371,7 @@ def test_after_a_mere_look_a_device_is_not_asked_for_news():
     before = device.asked
     for frame in (READ_LEVEL, "605#4017100000000000", "080#", "185#R"):
         assert bench.send(frame)
+        bench.run(0.1)  # at rest, which brings no news either
     assert device.asked == before
     bench.send("605#2B00210007000000")
     assert device.asked > before

@@ -330,7 +330,7 @@ class Node:
             self._settle()
 
     def _catch_up(self) -> bool:
-        """Let the time pass that has gone by; whether that was a step."""
+        """Let the time pass that has gone by; whether that was a step that may have brought news."""
         stack, stepped = self._stack, False
         if stack is not None and stack.measurement is not None:
             due = stack.measurement.due(self.clock.ticks)
@@ -339,7 +339,7 @@ class Node:
                 stack.measurement.refresh(due)
         if self.clock.ticks - self._stepped >= self._cycle:
             stepped = self._step_to(self.clock.ticks)
-        return stepped
+        return stepped and self._stepped >= self._wake  # until then it rests
 
     def _step_to(self, tick: int) -> bool:
         elapsed = tick - self._stepped
