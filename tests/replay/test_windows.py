@@ -3,6 +3,7 @@
 from textwrap import dedent
 
 import pytest
+from services.declared import BASE, U32, entry
 
 ERROR = "inject: {error: {code: 0x1000}}"
 
@@ -283,3 +284,25 @@ def test_an_answer_that_is_late_goes_with_the_device_that_owed_it(played, ends, 
     asked, given_up = "1 605#2F00200001000000", "2 605#8000200000000405"
     assert heard == ["0 705#00", asked, *frames, given_up]
     assert outcomes == ["PASS 2 Byte is not answered", "PASS 3 none came"]
+
+
+def test_a_look_sees_what_time_alone_changes(loaded, judged, tmp_path):
+    (tmp_path / "drive.eds").write_text(BASE + entry("1013", U32, 0), "ascii")
+    scenario = loaded(
+        """\
+        version: 1
+        nodes:
+          drive: {device: drive.eds, node_id: 5}
+          supply: {device: topcon, node_id: 6, settings: {load: resistor 4, noise: 3}}
+        steps:
+          - at: 0
+            node: supply
+            write: {Voltage reference: 2000, Current reference: 4000, Run command: 1}
+          - {at: 10, node: supply, expect: {value: {Actual voltage: 2003}, within: 1}}
+          - {at: 11, node: drive, expect: {value: {Entry 1013: {min: 11500000}}, within: 1}}
+        """
+    )
+    assert judged(scenario) == [
+        "PASS 10.024 Actual voltage is 2003",
+        "PASS 11.5 Entry 1013 is 11500001",
+    ]

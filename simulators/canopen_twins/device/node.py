@@ -219,6 +219,7 @@ class Node:
         self._cycle = microseconds(device.cycle)
         self._counts_frames = type(device).on_frame is not Device.on_frame
         self._stepped = clock.ticks
+        self._changed = clock.ticks
         self._wake: float = inf
         self._timer: Timer | None = None
 
@@ -241,6 +242,12 @@ class Node:
     def node_id(self) -> int:
         """The node id in force, or the one to boot with."""
         return self.device.node_id if self._stack is None else self._stack.slave.node_id
+
+    @property
+    def changed_at(self) -> int:
+        """Microsecond at which the device may have changed last: by a step, an act or its noise."""
+        noisy = self._stack is not None and self._stack.measurement is not None
+        return self.clock.ticks if noisy else self._changed
 
     def power_on(self) -> None:
         """Switch the supply on; without effect if it is.
@@ -267,6 +274,7 @@ class Node:
         self._afresh = True
         self.device.power_off()
         self.powered = False
+        self._changed = self.clock.ticks
         self._disarm()
 
     def look(self) -> Device:
@@ -347,11 +355,13 @@ class Node:
         if not whole:
             return False
         self._stepped += whole
+        self._changed = self.clock.ticks
         step = self.device.step if self.powered else self.device.step_unpowered
         step(whole / MICROSECONDS)
         return True
 
     def _settle(self) -> None:
+        self._changed = self.clock.ticks
         self._follow()
         if self._stack is not None:
             self._stack.publish()

@@ -24,8 +24,8 @@ class Watch:
     That is once, or `again` and again until it is stopped.
 
     Somebody hands it the events of the bus, or it listens; looks at a node are its own, once a
-    cycle of its device. What is polled is seen at the first look at which it is there, and then
-    again when it has been away.
+    cycle of its device, unless nothing has changed since the last one. What is polled is seen at
+    the first look at which it is there, and then again when it has been away.
     """
 
     def __init__(
@@ -49,6 +49,8 @@ class Watch:
         self._told: list[str] = []
         self._similar: deque[str] = deque(maxlen=TOLD)
         self._there = False
+        self._looked = -1  # microsecond of the last look
+        self._cycle = microseconds(node.device.cycle)
         self._listens = False
         self._timer: Timer | None = None
         if parts[0].polled:
@@ -109,8 +111,12 @@ class Watch:
             self._seen(told)
 
     def _look(self) -> None:
-        there, told = self._parts[0].poll(self._node)
-        self._timer = self._bus.clock.after(self._node.device.cycle, self._look)
+        clock, part = self._bus.clock, self._parts[0]
+        self._timer = clock.at_tick(clock.ticks + self._cycle, self._look)
+        if part.stands and self._node.changed_at < self._looked:
+            return
+        self._looked = clock.ticks
+        there, told = part.poll(self._node)
         before, self._there = self._there, there
         if there and not before:
             self._count(told)

@@ -28,6 +28,7 @@ from canopen_twins.scenario.targets import Target
 from canopen_twins.scenario.values import NoValue, Wanted, value_now, value_of
 from canopen_twins.slave.emcy import EMCY_LENGTH, emcy_id, emcy_of
 from canopen_twins.slave.nmt import ALL_NODES, STATE_BYTE
+from canopen_twins.slave.object import COMMUNICATION_AREA
 from canopen_twins.slave.service import State
 
 
@@ -38,6 +39,11 @@ class Matcher:
     """Whether it is seen by a look at the node, not in the events of the bus."""
     by_master: bool = False
     """Whether a master does it."""
+
+    @property
+    def stands(self) -> bool:
+        """Whether what a look has shown holds for as long as the node has not changed."""
+        return True
 
     @property
     def parts(self) -> tuple[Matcher, ...]:
@@ -410,6 +416,11 @@ class Holds(Matcher):
         return ExpectedValues([target.address for target, _ in self.wanted])
 
     unwanted = expected
+
+    @cached_property
+    def stands(self) -> bool:
+        """Unless a service may have it: of those one is a clock (0x1013)."""
+        return all(target.address[0] not in COMMUNICATION_AREA for target, _ in self.wanted)
 
     def poll(self, node: Node) -> tuple[bool, str]:
         """Whether all of them hold at this moment."""
