@@ -97,6 +97,14 @@ def test_what_a_lost_answer_ends_is_found_and_told_with_its_line(hunted, tmp_pat
     assert "not answered: the fault sdo_silence" in find["note"]
 
 
+def test_a_contract_needs_no_steps(hunted, tmp_path):
+    code, _ = hunted(HASTY, "--runs", "24", contract=CONTRACT.partition("steps:")[0])
+    assert code == 1
+    find = yaml.safe_load((tmp_path / "hunt-1.twin.yaml").read_text())
+    assert (find["steps"], [*find["recovers"]]) == ([], ["within", "when"])
+    assert main(["play", "hunt-1.twin.yaml"]) == 1
+
+
 def test_a_find_says_where_the_master_waits(hunted, tmp_path):
     stuck = CAREFUL.replace("        pass\n", "        time.sleep(1000)\n")
     hunted(stuck, "--runs", "14")

@@ -111,6 +111,10 @@ def test_a_node_that_cannot_take_part_is_pointed_at(problems, node, problem):
         ("{node: {device: probe}, steps: []}", "1:1: 'version' is missing"),
         ("{version: 1, steps: []}", "1:1: nothing says who takes part: a scenario"),
         ("{version: 1, node: {device: probe}}", "1:1: 'steps' is missing"),
+        (
+            "{version: 1, node: {device: probe}, always: []}",
+            "1:45: 'always' stands beside 'steps' or 'duration' only",
+        ),
         ("{version: 1.5, node: {device: probe}, steps: []}", "1:11: 1.5 is no whole number"),
         (
             "{version: '1', node: {device: probe}, steps: []}",

@@ -97,6 +97,7 @@ class Contract:
             UserError: the file cannot be read, or is no YAML of ours.
         """
         pairs = dict(_pairs(self.file, _stamp(self.file)))
+        pairs.setdefault("steps", yaml.SequenceNode("", []))  # all else may be left out
         for key, value in (named or {}).items():
             pairs[key] = node_of(value)
         if plan.seed is not None:

@@ -95,7 +95,7 @@ def _scenario(file: schema.ScenarioFile, path: Path, find: Find) -> Scenario:
         name=file.name or path.stem,
         note=file.note,
         nodes=participants.specs,
-        steps=_steps(file.steps, participants, lasts),
+        steps=_steps(file.steps or [], participants, lasts),
         disturbances=_disturbances(file.disturbances or [], participants),
         always=_always(file.always or [], participants),
         recovers=_recovers(file, participants),

@@ -410,6 +410,8 @@ class ScenarioFile(FileOfNodes):
     model_config = ConfigDict(title="Scenario")
     rules = (
         one_of("says who takes part", ("node", "nodes"), "a scenario"),
+        some_of(("steps", "always", "recovers"), "'steps' is missing"),
+        beside("always", ("steps", "duration")),
         beside("recovers", ("duration",)),
     )
 
@@ -437,8 +439,8 @@ class ScenarioFile(FileOfNodes):
     """Who takes part, if it is one; its name is that of its device."""
     nodes: Nodes | None = None
     """Who takes part, if it is more than one, by names of your own."""
-    steps: Annotated[Listed[IfRight[Step]], Field(max_length=MOST_STEPS)]
-    """What happens, in the order of time."""
+    steps: Annotated[Listed[IfRight[Step]], Field(max_length=MOST_STEPS)] | None = None
+    """What happens, in the order of time; a contract for a hunt may do without."""
     disturbances: Annotated[Listed[IfRight[Disturbance]], Field(max_length=MOST_STEPS)] | None = (
         None
     )
