@@ -201,7 +201,7 @@ def test_a_run_says_when_it_is_ready_and_stops_when_it_is_told(number, code):
     with subprocess.Popen(RUN, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
         ready = json.loads(run.stdout.readline())
         run.send_signal(number)
-        out, err = run.communicate(timeout=10)
+        out, err = run.communicate(timeout=60)
     assert ready == {"ready": "topcon", "node_id": 5, "interface": "virtual", "channel": "cli"}
     assert (run.returncode, out, err) == (code, "", "")
 
@@ -345,7 +345,7 @@ def test_what_a_device_keeps_when_its_supply_goes_is_kept_when_a_run_is_stopped(
         run.stdout.readline()
         stored = memory.read_bytes() if memory.exists() else b""
         run.send_signal(signal.SIGTERM)
-        run.communicate(timeout=10)
+        run.communicate(timeout=60)
     assert memory.read_bytes() != stored
 
 

@@ -14,7 +14,7 @@ import pytest
 from canopen_twins.cli import main
 from canopen_twins.live.master_process import BusPlace, MasterProcess
 
-PATIENCE = 10.0
+PATIENCE = 30.0
 PROGRAM = [sys.executable, "-m", "canopen_twins"]
 PLACE = BusPlace("socketcan", "vcan7")
 HEADER = "version: 1\nnode: {device: topcon, node_id: 5}\n"
@@ -28,7 +28,7 @@ import can, canopen, sys, time
 with can.Bus() as bus:
     print("on", bus.channel_info, flush=True)
     bus.send(can.Message(arbitration_id=0x605, is_extended_id=False, data={data}))
-    assert bus.recv(5).arbitration_id == 0x585
+    assert bus.recv(30).arbitration_id == 0x585
     {then}
 """
 RUN_COMMAND = list(bytes.fromhex("2B14200001000000"))

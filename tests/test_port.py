@@ -80,6 +80,6 @@ def test_any_other_bus_is_that_of_python_can():
         ours = port(bus)
         assert isinstance(ours, PythonCan)
         ours.send(Frame.parse("705#00"))
-        assert other.recv(1.0).arbitration_id == 0x705
+        assert other.recv(30).arbitration_id == 0x705
         other.send(can.Message(arbitration_id=0x605, is_extended_id=False, data=[1]))
         assert ours.receive(1.0) == Frame.parse("605#01")

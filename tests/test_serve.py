@@ -19,7 +19,7 @@ from canopen_twins.live.serve import LONGEST_WAIT, drive, serve
 
 pytestmark = pytest.mark.usefixtures("quick_to_disconnect")
 
-PATIENCE = 5.0
+PATIENCE = 30.0
 READ_LEVEL = "605#4000210000000000"
 WRITE_FAULTY = "605#2F03210001000000"
 HEARTBEAT_10_MS = "605#2B1710000A000000"

@@ -17,7 +17,7 @@ from canopen_twins.devices import create
 from canopen_twins.faults import connect
 from canopen_twins.scenario import begin
 
-PATIENCE = 10.0
+PATIENCE = 30.0
 PROGRAM = [sys.executable, "-m", "canopen_twins"]
 REFUSED = "605#2B14200007000000"  # there is no command 7
 

@@ -29,7 +29,7 @@ def test_canopens_lss_master_moves_it_on_a_bus_in_real_time(network):
     lss.store_configuration()
     lss.send_switch_state_global(lss.WAITING_STATE)
     network.nmt.send_command(0x82)
-    moved.nmt.wait_for_bootup(timeout=5)
+    moved.nmt.wait_for_bootup(timeout=30)
     assert moved.sdo.upload(0x2002, 0x06) == b"\x2a"
     assert moved.sdo.upload(0x2002, 0x07) == b"\x02"
 

@@ -19,7 +19,7 @@ from canopen_twins.live.control import control_port
 from canopen_twins.live.orders import Orders
 from canopen_twins.live.serve import serve
 
-PATIENCE = 5.0
+PATIENCE = 30.0
 JSON = {"Content-Type": "application/json"}
 
 

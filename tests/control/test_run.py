@@ -18,14 +18,14 @@ def test_the_ready_line_tells_where_the_port_is():
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         ready = json.loads(process.stdout.readline())
         try:
-            connection = HTTPConnection(urlsplit(ready["control"]).netloc, timeout=5)
+            connection = HTTPConnection(urlsplit(ready["control"]).netloc, timeout=30)
             connection.request("GET", "/nodes/topcon")
             answer = connection.getresponse()
             assert json.loads(answer.read())["node_id"] == 5
             connection.close()
         finally:
             process.terminate()
-        _, err = process.communicate(timeout=5)
+        _, err = process.communicate(timeout=60)
     assert (process.returncode, err) == (0, b"")
 
 

@@ -70,7 +70,7 @@ def ready(*arguments):
     ) as run:
         told = json.loads(run.stdout.readline())
         run.send_signal(signal.SIGTERM)
-        return told, run.communicate(timeout=10)[1]
+        return told, run.communicate(timeout=60)[1]
 
 
 def test_it_is_run_with_the_node_id_that_is_said(folder):

@@ -15,7 +15,7 @@ from canopen_twins.slave.eds.reader import read_eds
 from .conftest import FILES
 
 SOURCES = [path.read_bytes() for path in sorted(FILES.iterdir())]
-PATIENCE = 5.0  # seconds for a file; the slowest takes some milliseconds
+PATIENCE = 30.0  # seconds for a file; the slowest takes some milliseconds
 
 
 def mutated(seed):

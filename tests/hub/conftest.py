@@ -15,7 +15,7 @@ from canopen_twins.bus.hub.client import HubBus
 from canopen_twins.bus.hub.protocol import HubAddress
 from canopen_twins.bus.hub.server import serve_hub
 
-PATIENCE = 5.0
+PATIENCE = 30.0
 EDS = str(Path(__file__).parents[2] / "od" / "topcon.eds")
 PROGRAM = [sys.executable, "-m", "canopen_twins"]
 

@@ -33,7 +33,7 @@ SUITE = """
         assert twin.ready["hub"] == str(canopen_hub.hub)
         with can.Bus(**twin.bus) as bus:
             bus.send(can.Message(arbitration_id=0x605, is_extended_id=False, data=[0x40] + 7 * [0]))
-            assert bus.recv(5).arbitration_id == 0x585
+            assert bus.recv(30).arbitration_id == 0x585
 
     def test_each(topcon, gateway):
         assert topcon.sent != gateway.sent

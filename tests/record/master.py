@@ -2,7 +2,7 @@ import can
 
 from canopen_twins.bus.frame import Frame
 
-PATIENCE = 5.0
+PATIENCE = 30.0
 
 
 class Master:

@@ -32,7 +32,7 @@ def test_a_run_without_a_scenario_does_without(late):
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as run:
         run.stdout.readline()
         run.send_signal(signal.SIGTERM)
-        _, err = run.communicate(timeout=10)
+        _, err = run.communicate(timeout=60)
     assert run.returncode == 0
     assert late not in err.decode()
 

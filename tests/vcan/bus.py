@@ -12,7 +12,7 @@ from contextlib import contextmanager
 import canopen
 
 CHANNEL = "vcan0"
-PATIENCE = 10.0  # seconds; only what is broken takes so long
+PATIENCE = 30.0  # seconds; only what is broken takes so long
 
 
 class Lines:

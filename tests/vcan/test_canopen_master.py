@@ -36,15 +36,15 @@ def test_the_output_follows_and_is_measured(topcon):
 
 def test_heartbeat_and_nmt_states(topcon, candump):
     topcon.sdo[0x1017].raw = 20
-    topcon.nmt.wait_for_heartbeat(timeout=1.0)
+    topcon.nmt.wait_for_heartbeat(timeout=10.0)
     for state in ("OPERATIONAL", "STOPPED", "PRE-OPERATIONAL"):
         topcon.nmt.send_command(NMT_COMMANDS[state])
         while topcon.nmt.state != state:
-            topcon.nmt.wait_for_heartbeat(timeout=1.0)
+            topcon.nmt.wait_for_heartbeat(timeout=10.0)
     topcon.nmt.state = "RESET"
     candump.until("705#00")
     while topcon.nmt.state != "PRE-OPERATIONAL":
-        topcon.nmt.wait_for_heartbeat(timeout=1.0)
+        topcon.nmt.wait_for_heartbeat(timeout=10.0)
 
 
 def test_pdos_go_both_ways(topcon):
@@ -60,7 +60,7 @@ def test_pdos_go_both_ways(topcon):
     topcon.tpdo[1].add_callback(received.put)
     topcon.tpdo[1].remote_request()
     # not `wait_for_reception`: the answer is there before its wait begins
-    assert [variable.raw for variable in received.get(timeout=1.0)] == [0, 0, 0, 0]
+    assert [variable.raw for variable in received.get(timeout=10.0)] == [0, 0, 0, 0]
 
 
 def test_an_overvoltage_is_told(topcon):
@@ -70,5 +70,5 @@ def test_an_overvoltage_is_told(topcon):
     topcon.sdo["Voltage reference"].raw = 1900
     topcon.sdo["Run command"].raw = 1
     topcon.sdo["Voltage reference"].raw = 3000
-    emcy = topcon.emcy.wait(timeout=2.0)
+    emcy = topcon.emcy.wait(timeout=10.0)
     assert (emcy.code, emcy.register) == (0x3300, 0x05)
