@@ -1,8 +1,7 @@
 """Limits of what runs in simulated time, and where a program was when it went beyond one."""
 
-import ctypes
+import os
 import sys
-import sysconfig
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -17,7 +16,7 @@ AGAIN = 1.0  # seconds after which one that has held up the end is told once mor
 
 _PACKAGES = tuple(str(Path(file).parent) for file in (can.__file__, canopen.__file__))
 _OURS = str(Path(__file__).parents[1])
-_STANDARD = tuple({sysconfig.get_path(name) for name in ("stdlib", "platstdlib")})
+_STANDARD = str(Path(os.__file__).parent)
 _INSTALLED = ("site-packages", "dist-packages")  # inside of the standard library, in some places
 
 
@@ -115,6 +114,7 @@ class RealTimeLimit:
 
 def raise_in(thread_id: int, message: str) -> None:
     """Have a thread raise `OutOfTime` at its next line of Python."""
+    import ctypes  # noqa: PLC0415 - hardly a run goes beyond a limit
 
     class Limit(OutOfTime):
         def __init__(self) -> None:

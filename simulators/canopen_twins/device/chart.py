@@ -1,7 +1,6 @@
 """What a device shows of itself over time: quantities as curves, its own state as a band."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -9,8 +8,7 @@ Read = Callable[[], float | None]
 """A value in engineering units; None while there is none."""
 
 
-@dataclass(frozen=True)
-class Curve:
+class Curve(NamedTuple):
     """A quantity, read from the model whenever somebody looks; reading changes nothing."""
 
     label: str

@@ -80,8 +80,7 @@ class Weather(NamedTuple):
 USUAL = Weather()
 
 
-@dataclass(frozen=True)
-class Parameter:
+class Parameter(NamedTuple):
     """One parameter of a fault: what it means, and its value when nobody says otherwise.
 
     A parameter without default has to be given. A number has to be in `low`..`high`, and is never

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import Field, dataclass, field, fields, replace
 from math import inf, isfinite
 from types import UnionType
-from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
 
 from canopen_twins.errors import UserError, unknown
 from canopen_twins.files.convert import convert
@@ -42,8 +42,7 @@ def setting(  # noqa: PLR0913 - each is a word about one setting
     return field(default=default, metadata={"about": told})
 
 
-@dataclass(frozen=True)
-class About:
+class About(NamedTuple):
     """What is told of a setting beside its type and default."""
 
     text: str

@@ -4,8 +4,8 @@ The figures are assumed, for no device in particular (docs/reference/timing.md).
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
 from random import Random
+from typing import NamedTuple
 
 from canopen_twins.bus import sdo
 from canopen_twins.bus.sdo import Ccs
@@ -15,8 +15,7 @@ from canopen_twins.slave.slave import Slave
 from canopen_twins.slave.store import LOAD, SAVE
 
 
-@dataclass(frozen=True)
-class Timing:
+class Timing(NamedTuple):
     """What is in force, in seconds; nothing takes time when all are 0."""
 
     boot_time: float = 0.0
@@ -67,8 +66,7 @@ def timing_of(settings: object, presets: Mapping[str, Timing] = PRESETS) -> Timi
     if not isinstance(settings, TimingSettings):
         return IDEAL
     said = {name: getattr(settings, name) for name in NUMBERS}
-    return replace(
-        presets[settings.timing],
+    return presets[settings.timing]._replace(
         requests_wait=settings.busy_request == "waits",
         store_refuses=settings.store_busy == "refuses",
         seed=settings.seed,

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from enum import IntEnum
 from functools import partial
 from random import Random
-from typing import Any
+from typing import Any, NamedTuple
 
 from canopen_twins.bus.clock import Scope
 from canopen_twins.bus.frame import Frame
@@ -68,8 +67,7 @@ class Aim:
         return True
 
 
-@dataclass(frozen=True)
-class Place:
+class Place(NamedTuple):
     """Where something goes wrong: at a node, among the nodes of its segment."""
 
     node: Node
@@ -254,8 +252,7 @@ def _side(filter: Filter) -> Side:
     return getattr(filter, "side", Side.PROTOCOL)
 
 
-@dataclass(frozen=True)
-class FaultType:
+class FaultType(NamedTuple):
     """A fault that every device has: a row of the table of its level."""
 
     text: str

@@ -1,7 +1,6 @@
 """Files and folders that are there whole, or as they were before; and files that one run holds."""
 
 import os
-import secrets
 import shutil
 import stat
 import sys
@@ -93,7 +92,7 @@ def write_whole(path: Path, content: str | bytes) -> None:
         path.write_bytes(data)
         return
     path = path.resolve()
-    part = path.with_name(f".{secrets.token_hex(8)}{PART}")  # the name itself may be of full length
+    part = path.with_name(f".{os.urandom(8).hex()}{PART}")  # the name itself may be of full length
     handle = os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)  # less the umask
     try:
         with os.fdopen(handle, "wb") as file:

@@ -1,7 +1,6 @@
 """Heinzmann governor behind its CANopen gateway (manual DG 04 005-e / 07-04): two control units."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import replace
 
 from canopen import ObjectDictionary
 
@@ -105,7 +104,7 @@ class Device(device.Device):
         """
         given = super().timing
         waits = given.requests_wait and bool(given.answer_time or given.answer_jitter)
-        return replace(given, boot_time=0.0, requests_wait=waits)
+        return given._replace(boot_time=0.0, requests_wait=waits)
 
     @property
     def measured(self) -> Collection[Address]:

@@ -18,7 +18,7 @@ from canopen.objectdictionary.datatypes import DATA_TYPES, DOMAIN, UNSIGNED8
 from canopen_twins.bus.identifiers import UNCONFIGURED
 from canopen_twins.errors import UserError
 from canopen_twins.files.sections import Field, Remark, Section, Sections, read_sections
-from canopen_twins.slave.eds import values, xdd
+from canopen_twins.slave.eds import values
 from canopen_twins.slave.eds.check import MAPPING, RPDO, TPDO, check
 from canopen_twins.slave.eds.short_forms import add_compact_pdos, add_modules
 from canopen_twins.slave.object import DUMMY_TYPES, TIMES, entries_of
@@ -40,6 +40,7 @@ LARGEST_DOMAIN = 1 << 24  # bytes
 MOST_LINES = 10_000  # of a comment
 HIGHEST_SUB = 0xFE
 LIMITS = {"LowLimit": "min", "HighLimit": "max"}
+XML = (".xdd", ".xdc")  # CiA 311
 
 
 class Dictionary(ObjectDictionary):
@@ -92,14 +93,19 @@ def read_eds(path: Path, modules: Sequence[int] | None = None) -> Eds:
     Raises:
         UserError: it cannot be read, is no text, or describes no object.
     """
-    is_xml = path.suffix.lower() in xdd.SUFFIXES
-    sections = xdd.read_xdd(path) if is_xml else read_sections(path)
+    sections = _read_xml(path) if path.suffix.lower() in XML else read_sections(path)
     add_compact_pdos(sections)
     add_modules(sections, modules)
     reader = EdsReader(sections, path)
     if not reader.objects:
         raise UserError(f"{path} is no EDS file: it has no object, such as [1000]")
     return reader.read()
+
+
+def _read_xml(path: Path) -> Sections:
+    from canopen_twins.slave.eds.xdd import read_xdd  # noqa: PLC0415 - few files are XML
+
+    return read_xdd(path)
 
 
 class EdsReader:

@@ -14,7 +14,6 @@ from canopen_twins.errors import UserError
 from canopen_twins.files.sections import LARGEST_FILE, Section, Sections
 from canopen_twins.files.whole import read_plain
 
-SUFFIXES = (".xdd", ".xdc")
 DEEPEST = 64  # elements within elements
 TYPES = {
     "BOOL": 0x01, "SINT": 0x02, "INT": 0x03, "DINT": 0x04, "USINT": 0x05, "UINT": 0x06,
