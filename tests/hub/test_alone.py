@@ -9,7 +9,7 @@ import pytest
 from canopen_twins.bus.hub.client import HubBus, is_hub
 from canopen_twins.bus.hub.protocol import HubAddress
 from canopen_twins.cli import bus, main
-from canopen_twins.live.hub_process import hub_of_run, hub_process
+from canopen_twins.live.hub_process import hub_of_run, hub_process, hub_started
 
 from .conftest import PATIENCE
 
@@ -44,6 +44,19 @@ def test_nobody_has_to_start_a_hub(usual, story, capfd):
     assert not is_hub(usual)  # it has ended with the run
 
 
+def test_a_hub_of_a_run_that_comes_to_nothing_ends_with_it(usual, capfd):
+    assert main(["run", "topcan", "--hub"]) == 2
+    assert "did you mean 'topcon'?" in capfd.readouterr().err
+    assert not is_hub(usual)
+
+
+def test_a_hub_starts_while_the_twins_are_made(usual):
+    with hub_started(usual) as hub:
+        while not is_hub(usual):  # nobody has waited for it yet
+            pass
+        assert hub() == usual
+
+
 def test_the_hub_that_is_there_is_joined(usual, story, capfd):
     with hub_process(usual), HubBus(usual, "vcan0") as neighbour:
         assert main(["run", "--scenario", story, "--hub"]) == 0
@@ -53,14 +66,17 @@ def test_the_hub_that_is_there_is_joined(usual, story, capfd):
 
 
 def test_a_second_run_joins_the_hub_of_the_first(usual):
-    with hub_of_run(usual) as first, hub_of_run(usual) as second:
-        assert first == second == usual
+    with hub_of_run(usual) as first:
+        assert first() == usual
+        with hub_of_run(usual) as second:
+            assert second() == usual
 
 
 def test_where_another_program_is_the_hub_has_a_free_port(usual, capfd):
     with socket.socket() as other:
         other.bind(usual)
-        with hub_of_run(usual) as address:
+        with hub_of_run(usual) as hub:
+            address = hub()
             assert address.port != usual.port
             assert is_hub(address)
     assert capfd.readouterr().err == ""

@@ -5,7 +5,7 @@ import json
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from configparser import Error as ConfigParserError
-from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from contextlib import contextmanager, suppress
 from errno import EAFNOSUPPORT, ENODEV
 from functools import partial
 from typing import Any, NamedTuple
@@ -19,7 +19,7 @@ from canopen_twins.bus.hub.protocol import HubAddress
 from canopen_twins.cli.command import Parser
 from canopen_twins.errors import UserError
 from canopen_twins.live.bus import OpenBus
-from canopen_twins.live.hub_process import hub_of_run, hub_process
+from canopen_twins.live.hub_process import Hub, hub_of_run, hub_started
 from canopen_twins.live.master_process import BusPlace
 
 DEFAULT_BUS = "vcan0"  # on a hub
@@ -63,24 +63,31 @@ class NamedBus(NamedTuple):
 
 
 @contextmanager
-def bus_of_run(options: argparse.Namespace) -> Iterator[NamedBus]:
-    """The bus of the options; with `--hub` alone there is a hub meanwhile, if there is none.
+def hub_of_options(options: argparse.Namespace) -> Iterator[Hub | None]:
+    """With `--hub` alone there is a hub meanwhile, if there is none; it starts while others go on.
+
+    A master that is told where its hub is meets no other run on it.
+    """
+    if options.hub != "" or "interface" in options:
+        yield None
+        return
+    with hub_started() if options.words else hub_of_run(USUAL_HUB) as hub:
+        yield hub
+
+
+def bus_of_run(options: argparse.Namespace, hub: Hub | None) -> NamedBus:
+    """The bus of the options; waits for a hub of this run.
 
     Raises:
-        UserError: they contradict each other, or name a real bus without saying so.
+        UserError: they contradict each other, or name a real bus without saying so; the hub does
+            not start.
     """
-    _check_hub(options)
-    with _hub_alone(options) if options.hub == "" else nullcontext(options.hub) as address:
-        options.hub = None if address is None else str(address)
-        bus = named_bus(options)
-        if options.words and bus.private:
-            raise UserError("no other process can join a virtual bus: say --hub with a COMMAND")
-        yield bus
-
-
-def _hub_alone(options: argparse.Namespace) -> AbstractContextManager[HubAddress]:
-    """A master that is told where its hub is meets no other run on it."""
-    return hub_process() if options.words else hub_of_run(USUAL_HUB)
+    if hub is not None:
+        options.hub = str(hub())
+    bus = named_bus(options)
+    if options.words and bus.private:
+        raise UserError("no other process can join a virtual bus: say --hub with a COMMAND")
+    return bus
 
 
 def named_bus(options: argparse.Namespace) -> NamedBus:

@@ -15,7 +15,7 @@ from can.cli import add_bus_arguments
 
 from canopen_twins.bus.clock import Stalls
 from canopen_twins.bus.segment import Segment
-from canopen_twins.cli.bus import NamedBus, add_bus, bus_of_run, join_hub
+from canopen_twins.cli.bus import NamedBus, add_bus, bus_of_run, hub_of_options, join_hub
 from canopen_twins.cli.command import (
     DEVICE,
     FAILED,
@@ -42,6 +42,7 @@ from canopen_twins.errors import UserError
 from canopen_twins.faults import connect
 from canopen_twins.files.whole import held
 from canopen_twins.live.bus import OpenBus, with_node_id_check
+from canopen_twins.live.hub_process import Hub
 from canopen_twins.live.master_process import MasterProcess
 from canopen_twins.live.master_watch import MasterWatch
 from canopen_twins.live.node_id_watch import NodeIdWatch
@@ -148,11 +149,21 @@ def _run(options: argparse.Namespace, signals: Signals) -> int:
     announcer = Announcer(options)
     if announcer.wanted and not options.scenario:
         raise UserError("--json and --junit tell of a verdict: say which with --scenario")
-    run, served = _prepared(options), parent(options)
-    segment, player = run.segment, run.player
+    with hub_of_options(options) as hub:  # it starts while the twins are made
+        return _on_a_bus(options, signals, _prepared(options), hub, announcer)
+
+
+def _on_a_bus(
+    options: argparse.Namespace,
+    signals: Signals,
+    run: Prepared,
+    hub: Hub | None,
+    announcer: Announcer,
+) -> int:
+    segment, player, served = run.segment, run.player, parent(options)
+    bus = bus_of_run(options, hub)
     with (
         _off_in_the_end(segment),
-        bus_of_run(options) as bus,
         controlled(options, segment, player, title(options, run.scenario)) as control,
         _beside(options, bus) as master,
     ):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 
-from canopen_twins.cli.bus import bus_of_run
+from canopen_twins.cli.bus import bus_of_run, hub_of_options
 from canopen_twins.cli.command import FAILED, Signals
 from canopen_twins.cli.participants import participants_of, title
 from canopen_twins.cli.tolerances import tolerances
@@ -29,7 +29,8 @@ def run_shadow(options: argparse.Namespace, signals: Signals) -> int:
     nodes = participants_of(options, None)
     allowed = tolerances(options, nodes.values())
     options.real_bus = True  # it is there for the real device, and does nothing to it
-    with bus_of_run(options) as bus:
+    with hub_of_options(options) as hub:
+        bus = bus_of_run(options, hub)
         ready = {"shadow": title(options, None), **bus.told}
         print(json.dumps(ready), flush=True)
         agreement = shadow(nodes, bus.open, lambda: bool(signals), _tell, allowed)
