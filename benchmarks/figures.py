@@ -179,6 +179,19 @@ SECTIONS = {
             "test_fresh[import-canopen]",
         ),
         Figure(
+            "`canopen-twin run topcon` to its ready line, process and all",
+            "test_first_line[run]",
+            "a process that imports canopen",
+            "test_first_line[canopen]",
+            Goal(time=0.5),
+        ),
+        Figure(
+            "`canopen-twin play` of a short scenario to its first line, process and all",
+            "test_first_line[play]",
+            "a process that imports canopen",
+            "test_first_line[canopen]",
+        ),
+        Figure(
             "the pytest plugin, in a run that does not use it",
             "test_fresh[import-plugin]",
             "`import canopen`",

@@ -16,6 +16,7 @@ from canopen_twins import Bench
 ROOT = Path(__file__).parent.parent
 LISTEN = "import sys\nfor line in sys.stdin: exec(line); print('done', flush=True)"
 TWIN = "from canopen_twins import Bench; Bench('topcon', node_id=5).sdo.upload(0x2020, 0)"
+TWINS = ("-m", "canopen_twins")
 LOCAL_NODE = "pair = peers.virtual('first'); pair.__enter__().sdo.upload(0x2020, 0)"
 
 Environment = Mapping[str, str]
@@ -106,6 +107,36 @@ def test_process(
         rounds=5,
         warmup_rounds=1,
     )
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        pytest.param(["-c", "import canopen; print()"], id="canopen"),
+        pytest.param([*TWINS, "run", "topcon", "-i", "virtual", "-c", "ready"], id="run"),
+        pytest.param([*TWINS, "play", "topcon_overvoltage.yaml"], id="play"),
+    ],
+)
+def test_first_line(benchmark: BenchmarkFixture, environment: Environment, command: list[str]):
+    """From the start of a process to what it says first."""
+    started: list[subprocess.Popen[bytes]] = []
+
+    def start() -> None:
+        process = subprocess.Popen(
+            [sys.executable, *command], cwd=ROOT, env=environment, stdout=subprocess.PIPE
+        )
+        started.append(process)
+        assert process.stdout
+        assert process.stdout.readline()
+
+    def end() -> None:
+        while started:
+            process = started.pop()
+            process.kill()
+            process.communicate()
+
+    benchmark.pedantic(start, setup=end, rounds=7, warmup_rounds=1)
+    end()
 
 
 def test_later_twin(benchmark: BenchmarkFixture):
