@@ -55,7 +55,7 @@ class Stack:
         self.stale = False  # something in the communication area has changed
         self._device = device
         self._listeners = listeners
-        kept = device.stored
+        kept, timing = device.stored, device.timing
         self._nmt = Nmt(slave)
         self._heartbeat = HeartbeatProducer(slave)
         self._emcy = EmcyProducer(slave, log, lambda: device.emergencies, device.farewell)
@@ -68,8 +68,8 @@ class Stack:
         slave.hear = self._hear
         _bind(slave, device)
         self.measurement: Measurement | None = None
-        if device.timing.measures:
-            self.measurement = Measurement(slave, device.measured, device.timing, device.cycle)
+        if timing.measures:
+            self.measurement = Measurement(slave, device.measured, timing, device.cycle)
         recall(slave, device.memory, kept, area)  # what a service fixes was right when it was kept
         for service in self._services:
             slave.bind(_its_own(slave, service))
@@ -338,7 +338,7 @@ class Node:
             self._settle()
 
     def _catch_up(self) -> bool:
-        """Let the time pass that has gone by; whether that was a step that may have brought news."""
+        """Let the time pass that has gone by; whether that was a step that may bring news."""
         stack, stepped = self._stack, False
         if stack is not None and stack.measurement is not None:
             due = stack.measurement.due(self.clock.ticks)

@@ -1,7 +1,7 @@
 """How an object of the dictionary acts, and how it refuses."""
 
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from enum import IntEnum
 from math import isfinite
 from typing import Any, NamedTuple
@@ -96,6 +96,19 @@ class Object(NamedTuple):
     obstacle: Callable[[int], str] | None = None
 
 
+def _first(codec: Any) -> Callable[[bytes], Any]:
+    unpack = codec.unpack
+    return lambda data: unpack(data)[0]
+
+
+WHOLE = frozenset(INTEGER_TYPES)
+CODECS: Mapping[int, tuple[int, Callable[[Any], bytes], Callable[[bytes], Any]]] = {
+    data_type: (codec.size, codec.pack, _first(codec))
+    for data_type, codec in ODVariable.STRUCT_TYPES.items()
+}
+"""Of types that are numbers: how many bytes, to bytes, and from them."""
+
+
 class Entry:
     """Its value is where one of its objects has it, otherwise in the node's data store."""
 
@@ -122,21 +135,25 @@ class Entry:
 
     def __init__(self, variable: ODVariable, cell: dict[int, bytes]) -> None:
         data_type: int = variable.data_type or 0
-        codec = ODVariable.STRUCT_TYPES.get(data_type)
         self.variable = variable
         self.readable: bool = variable.readable
         self.writable: bool = variable.writable
         self.address: Address = (variable.index, variable.subindex)
         self.communicates = variable.index in COMMUNICATION_AREA
-        self.size: int | None = codec.size if codec else SIZES.get(data_type)
-        self.pack: Callable[[Any], bytes] = codec.pack if codec else variable.encode_raw
-        self.unpack: Callable[[bytes], Any] = _first(codec) if codec else variable.decode_raw
-        self.low, self.high = self._limits()
+        self.size: int | None
+        self.pack: Callable[[Any], bytes]
+        self.unpack: Callable[[bytes], Any]
+        if data_type in CODECS:
+            self.size, self.pack, self.unpack = CODECS[data_type]
+        else:
+            self.size = SIZES.get(data_type)
+            self.pack, self.unpack = variable.encode_raw, variable.decode_raw
         self.obstacle: Callable[[int], str] | None = None
         self._source: Callable[[], Value] | None = None
-        self._adjusts: list[Callable[[int], int]] = []
-        self._writes: list[Callable[[int], None]] = []
+        self._adjusts: tuple[Callable[[int], int], ...] = ()
+        self._writes: tuple[Callable[[int], None], ...] = ()
         self._bit = data_type == BOOLEAN
+        self.low, self.high = self._limits()
         self._verbatim = self.is_whole and not self._bit  # packed, a value is what was unpacked
         self._owner = ""
         self._cell = cell
@@ -145,17 +162,19 @@ class Entry:
     @property
     def is_whole(self) -> bool:
         """Whether its type is one of integers."""
-        return self.variable.data_type in INTEGER_TYPES
+        return self.variable.data_type in WHOLE
 
     def _limits(self) -> tuple[Any, Any]:
         """Those of a number, as its type has them: 0.1 is not the same in 32 bits and in 64."""
         low, high = self.variable.min, self.variable.max
+        if low is None and high is None and not self._bit:
+            return None, None
         if self.variable.data_type == BOOLEAN:
             return low, 1 if high is None else high
         if self.variable.data_type in FLOAT_TYPES:
             rounded = [None if x is None else self.unpack(self.pack(x)) for x in (low, high)]
             return rounded[0], rounded[1]
-        return (low, high) if self.variable.data_type in INTEGER_TYPES else (None, None)
+        return (low, high) if self.is_whole else (None, None)
 
     def bind(self, acts: Object, owner: str = "") -> None:
         """Let an object act, after those that do already; the first that has a value is read.
@@ -166,9 +185,9 @@ class Entry:
             self._source, self._owner = acts.read, owner
         self.obstacle = self.obstacle or acts.obstacle
         if acts.adjust is not None:
-            self._adjusts.append(acts.adjust)
+            self._adjusts += (acts.adjust,)
         if acts.write is not None:
-            self._writes.append(acts.write)
+            self._writes += (acts.write,)
 
     @property
     def source(self) -> Callable[[], Value]:
@@ -235,8 +254,3 @@ class Entry:
         if value is None:
             return bytes(self.size or 0)
         return value if isinstance(value, bytes) else self.pack(value)
-
-
-def _first(codec: Any) -> Callable[[bytes], Any]:
-    unpack = codec.unpack
-    return lambda data: unpack(data)[0]

@@ -137,8 +137,8 @@ class Pdo(Service):
     @classmethod
     def numbers(cls, slave: Slave) -> Iterator[int]:
         """The PDOs of this kind that the dictionary has; each has both of its records."""
-        first = cls.communication
-        found = (n for n in range(PDO_COUNT) if first + n in slave.entries)
+        records = range(cls.communication, cls.communication + PDO_COUNT)
+        found = sorted(records.index(index) for index in slave.entries if index in records)
         return (n + 1 for n in found if cls._has(slave, n))
 
     @classmethod
@@ -188,18 +188,21 @@ class Pdo(Service):
 
         One whose file maps what is not there is off from the beginning.
         """
-        if not self._begun:
-            self._begun = True
-            self._begin()
-        return carried(self.slave, self._mapping) if self.cob_id is not None else []
-
-    def _begin(self) -> None:
+        if self._begun and self.cob_id is None:
+            return []
         try:
-            mapped(self.slave, self._mapping)
+            parts = mapped(self.slave, self._mapping)
         except Rejected:
-            entry = self.slave.entry(self.record, COB_ID)
-            off = self.slave.number(self.record, COB_ID) | identifiers.INVALID
-            self.slave.data_store[self.record][COB_ID] = entry.pack(off)
+            parts = []
+            if not self._begun:
+                self._switch_off()
+        self._begun = True
+        return parts if self.cob_id is not None else []
+
+    def _switch_off(self) -> None:
+        entry = self.slave.entry(self.record, COB_ID)
+        off = self.slave.number(self.record, COB_ID) | identifiers.INVALID
+        self.slave.data_store[self.record][COB_ID] = entry.pack(off)
 
     def _bound(self, acts: Mapping[int, Object]) -> Mapping[Address, Object]:
         """Those of its communication record that the dictionary has."""

@@ -237,8 +237,8 @@ class FurtherSdoServer(SdoServer):
     @classmethod
     def all(cls, slave: Slave) -> Iterator[Service]:
         """Those that the dictionary has."""
-        for index in SERVERS:
-            record = slave.entries.get(index, {})
+        for index in sorted(index for index in slave.entries if index in SERVERS):
+            record = slave.entries[index]
             cob_ids = [record[sub] for sub in (REQUESTS, ANSWERS) if sub in record]
             if len(cob_ids) == 2 and all(entry.is_whole for entry in cob_ids):
                 yield cls(slave, index)
