@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import gc
 import json
 import logging
 from collections.abc import Iterator, Mapping
@@ -204,6 +205,7 @@ def _serve(
         watch = MasterWatch(segment, run.player)
 
         def on_the_bus() -> None:
+            gc.freeze()  # a search for garbage in all that has been imported would hold up answers
             print(json.dumps(ready), flush=True)
             told.start()
             watch.start()
