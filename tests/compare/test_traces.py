@@ -256,6 +256,11 @@ def test_one_of_two_channels_is_named(tmp_path):
     [
         ("out.log", "  can0  705   [1]  00\n", "its lines have no times: candump needs -l, -L or"),
         ("out.pcap", "", "is no trace file: its name ends in .asc, .blf, .csv, .log"),
+        (
+            "out.csv",
+            "Time,ID,Data\n0.1,705,00\n",
+            "out.csv: not the columns of python-can: name them",
+        ),
         ("out.trc", ";$FILEVERSION=3.0\n", "its version 3.0 is none of 1.0 to 1.3, 2.0 and 2.1"),
         ("out.blf", "LOGG", "cannot be read as .blf: "),
     ],

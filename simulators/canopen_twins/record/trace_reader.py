@@ -144,6 +144,9 @@ class Trace:
                 channel = "" if message.channel is None else str(message.channel)
                 yield Line(microseconds(message.timestamp), frame_of(message), channel)
         except Exception as damage:
+            if not count and self._suffix == ".csv":
+                named = "--columns time=NAME,id=NAME,data=NAME"
+                raise UserError(f"not the columns of python-can: name them, {named}") from damage
             if not count:
                 raise self._unreadable(damage) from damage
             self._damages += 1
