@@ -42,9 +42,11 @@ def served(channel: str, device: str = "topcon") -> Iterator[None]:
     thread = Thread(target=run)
     thread.start()
     ready.wait()
-    yield
-    stop.set()
-    thread.join()
+    try:
+        yield
+    finally:
+        stop.set()
+        thread.join()
 
 
 @objects
