@@ -374,18 +374,20 @@ class Node:
         self._arm()
 
     def _arm(self) -> None:
-        rest = self.device.rest * MICROSECONDS
-        if self._stack is not None and self._stack.measurement is not None:
-            rest = min(rest, self._stack.measurement.next_refresh - self._stepped)
-        if rest != inf:
-            rest = max(rest - rest % self._cycle, self._cycle)
+        rest, stack = self.device.rest * MICROSECONDS, self._stack
+        if stack is not None and stack.measurement is not None:
+            rest = min(rest, stack.measurement.next_refresh - self._stepped)
+        if rest < self._cycle:
+            rest = self._cycle
+        elif rest != inf:
+            rest -= rest % self._cycle
         wake = self._stepped + rest
         if wake == self._wake:
             return
-        self._disarm()
+        if self._timer is not None:
+            self._timer.cancel()
         self._wake = wake
-        if wake != inf:
-            self._timer = self.clock.at_tick(int(wake), self._tick)
+        self._timer = None if wake == inf else self.clock.at_tick(int(wake), self._tick)
 
     def _disarm(self) -> None:
         self._wake = inf

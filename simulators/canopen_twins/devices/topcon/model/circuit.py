@@ -41,9 +41,10 @@ class Ramps:
 
     def step(self, dt: float, voltage: float, current: float) -> None:
         """Approach the set values for `dt` seconds."""
-        part = dt * self._slope / SLOPE_1
-        self.voltage = _toward(voltage, self.voltage, part * self._unit.nominal_voltage)
-        self.current = _toward(current, self.current, part * self._unit.maximum_current)
+        if not self.reached(voltage, current):
+            part = dt * self._slope / SLOPE_1
+            self.voltage = _toward(voltage, self.voltage, part * self._unit.nominal_voltage)
+            self.current = _toward(current, self.current, part * self._unit.maximum_current)
         if self.reached(voltage, current):
             self._slope = self._unit.run_slope
 
@@ -109,7 +110,7 @@ def _node(
         by_sink = voltage - (law.sink + load) / slope
         return (by_sink, Mode.CURRENT) if by_sink > held else (held, mode)
     idle = voltage - (load + bleeder * voltage) / (slope + bleeder)
-    return max(held, idle), mode
+    return idle if idle > held else held, mode
 
 
 def _by_power(power: float, voltage: float, slope: float, load: float) -> float:
@@ -185,10 +186,9 @@ class Circuit:
         return solve(law, self.voltage, unit.capacitance / dt, 1.0 / unit.bleeder, line)
 
     def _distance(self, other: Solution) -> float:
-        return max(
-            abs(other.voltage - self.voltage) / self._unit.nominal_voltage,
-            abs(other.current - self.current) / self._unit.maximum_current,
-        )
+        voltage = abs(other.voltage - self.voltage) / self._unit.nominal_voltage
+        current = abs(other.current - self.current) / self._unit.maximum_current
+        return current if current > voltage else voltage
 
     def _adopt(self, solution: Solution, dt: float) -> None:
         self.voltage, self.current, self.mode = solution

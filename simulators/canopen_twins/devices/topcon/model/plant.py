@@ -130,7 +130,7 @@ class Plant(Inputs):
     @property
     def loss(self) -> float:
         """W into the heat sink; current taken in costs as much as current given out."""
-        if not self.running:
+        if self.state not in ON:
             return 0.0
         power = abs(self.circuit.voltage * self.circuit.current)
         return power * (1.0 / self.unit.efficiency - 1.0) + self.unit.idle_power
@@ -160,14 +160,15 @@ class Plant(Inputs):
 
     def flow(self, ticks: int) -> None:
         """Let `ticks` pass, as one step of the circuit."""
-        law = self._law(ticks * self.tick) if self.running else None
-        self.circuit.step(ticks * self.tick, law, self.load)
+        dt = ticks * self.tick
+        self.circuit.step(dt, self._law(dt) if self.running else None, self.load)
         self.coast(ticks)
 
     def coast(self, ticks: int) -> None:
         """Let `ticks` pass, any number, in which voltage and current stay as they are."""
-        self.heat.step(ticks * self.tick, self.loss, self.ambient)
-        self.store.step(ticks * self.tick, self.circuit.current)
+        dt = ticks * self.tick
+        self.heat.step(dt, self.loss, self.ambient)
+        self.store.step(dt, self.circuit.current)
         self.ticks += ticks
         if self.mains_slew:
             self._move_mains(ticks)
@@ -180,13 +181,14 @@ class Plant(Inputs):
             self.mains += copysign(reach, way)
 
     def _law(self, dt: float) -> Law:
-        self.ramps.step(dt, self.voltage_reference, self.current_reference)
+        ramps, unit, derating = self.ramps, self.unit, self.heat.derating
+        ramps.step(dt, self.voltage_reference, self.current_reference)
         return Law(
-            self.ramps.voltage,
-            max(self.resistance_reference, self.unit.droop),
-            min(self.ramps.current, self.derated_maximum),
+            ramps.voltage,
+            max(self.resistance_reference, unit.droop),
+            min(ramps.current, derating * unit.maximum_current),
             self.power_reference,
-            self.unit.sink_current and self.heat.derating * self.unit.sink_current,
+            derating * unit.sink_current,
         )
 
     @property

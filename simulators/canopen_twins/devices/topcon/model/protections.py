@@ -13,6 +13,7 @@ FREQUENCY_LOW, FREQUENCY_HIGH = 48.0, 62.0  # Hz (assumed)
 MAINS_DELAY = 0.02  # s (assumed)
 TRANSIENT = 0.15  # of the voltage, within a millisecond (assumed)
 NEAR = 0.05  # of a limit (assumed)
+MAINS_NEARLY_LOW, MAINS_NEARLY_HIGH = MAINS_LOW * (1 + NEAR), MAINS_HIGH * (1 - NEAR)
 
 HAIR = 1e-9  # of full scale: a regulated value is at its level but for the last bit
 DERATED_MARGIN = 1.05  # over the derated maximum (assumed)
@@ -159,8 +160,8 @@ IBC = (  # a regenerating input stage holds the DC link itself and watches the m
 )
 
 
-def protections(unit: UnitType) -> Iterator[Protection]:
-    """The rows one type of unit is watched by, in the order their errors are reported."""
+def of_output(unit: UnitType) -> Iterator[Protection]:
+    """The rows for what moves by itself: the output, heat, the I2t store."""
     yield Protection(0x30, above_voltage_level, unit.overvoltage_delay, watching_voltage)  # Tab. 70
     yield Protection(0x21, above_current_level, unit.overcurrent_delay)  # Tab. 67
     yield Protection(0x25, above_derated_current, DERATED_DELAY)
@@ -169,6 +170,10 @@ def protections(unit: UnitType) -> Iterator[Protection]:
         yield Protection(0x29, above_sink_level, unit.overcurrent_delay)
         yield Protection(0x2A, above_derated_sink, DERATED_DELAY)
     yield Protection(0x51, too_hot, stays=still_hot)  # Tab. 71
+
+
+def of_surroundings(unit: UnitType) -> Iterator[Protection]:
+    """The rows for what is done to the unit from outside."""
     yield Protection(0x31, sense_differs)  # Tab. 70
     yield Protection(0x33, sense_negative)
     yield from IBC if unit.regenerative else DC_LINK
@@ -176,6 +181,36 @@ def protections(unit: UnitType) -> Iterator[Protection]:
         yield from rail.protections(name)
     yield Protection(0xF2, lambda plant: not plant.interlock_closed)  # Tab. 83
     yield Protection(SLAVE_SILENT, slave_missing, SLAVE_DELAY)
+
+
+def is_at_ease(plant: Plant) -> bool:
+    """Whether at a glance no row of the output holds, and nothing warns.
+
+    Most ticks are such, and nobody has to go through the rows.
+    """
+    voltage, current = plant.circuit.voltage, plant.circuit.current
+    return (
+        voltage <= plant.overvoltage_level
+        and voltage <= plant.overvoltage_warning
+        and -plant.overcurrent_level <= current <= plant.overcurrent_level
+        and current <= plant.overcurrent_warning
+        and plant.heat.temperature < WARM
+        and plant.store.charge < plant.unit.i2t_limit / 2
+    )
+
+
+def is_left_alone(plant: Plant) -> bool:
+    """The same of the rows of the surroundings."""
+    return (
+        plant.interlock_closed
+        and MAINS_NEARLY_LOW <= plant.mains <= MAINS_NEARLY_HIGH
+        and plant.mains == plant.mains_before
+        and FREQUENCY_LOW <= plant.mains_frequency <= FREQUENCY_HIGH
+        and not plant.supplies
+        and not plant.sense_offset
+        and not plant.sense_reversed
+        and not plant.slave_silent
+    )
 
 
 def warns(plant: Plant) -> bool:
@@ -186,7 +221,7 @@ def warns(plant: Plant) -> bool:
         or plant.store.charge >= unit.i2t_limit / 2
         or plant.circuit.voltage > plant.overvoltage_warning
         or (plant.running and current > plant.overcurrent_warning)
-        or not MAINS_LOW * (1 + NEAR) <= plant.mains <= MAINS_HIGH * (1 - NEAR)
+        or not MAINS_NEARLY_LOW <= plant.mains <= MAINS_NEARLY_HIGH
     )
 
 
@@ -194,17 +229,23 @@ class Watch:
     """Counts ticks of `tick` seconds; one without the condition starts the count again."""
 
     def __init__(self, unit: UnitType, tick: float) -> None:
-        self._rows = tuple(protections(unit))
+        self._of_output = tuple(of_output(unit))
+        self._rows = (*self._of_output, *of_surroundings(unit))  # errors come in this order
         self._enough = [max(1, ceil(row.delay / tick - 1e-9)) for row in self._rows]
         self._lasted: dict[int, int] = {}  # ticks, by place in the table
 
     def step(self, plant: Plant) -> None:
         """Look at the plant, at the end of a tick."""
+        rows = self._of_output if is_left_alone(plant) else self._rows
         self._lasted = {
             place: self._lasted.get(place, 0) + 1
-            for place, row in enumerate(self._rows)
+            for place, row in enumerate(rows)
             if row.condition(plant) and row.armed(plant)
         }
+
+    def start_again(self) -> None:
+        """Nothing lasts, at the end of a tick."""
+        self._lasted = {}
 
     @property
     def errors(self) -> list[int]:
@@ -215,7 +256,8 @@ class Watch:
     @property
     def pending(self) -> bool:
         """Whether a condition lasts, but not yet long enough."""
-        return any(ticks < self._enough[at] for at, ticks in self._lasted.items())
+        lasted = self._lasted
+        return bool(lasted) and any(ticks < self._enough[at] for at, ticks in lasted.items())
 
     def persists(self, error: int, plant: Plant) -> bool:
         """Whether the cause of an error is still there."""
@@ -240,6 +282,9 @@ class Latches:
 
     def step(self, plant: Plant) -> None:
         """Latch what has lasted long enough, at the end of a tick."""
+        if is_at_ease(plant) and is_left_alone(plant):
+            self._watch.start_again()
+            return
         self._watch.step(plant)
         for error in self._watch.errors:
             self.latch(error)

@@ -31,6 +31,7 @@ class OutputStage(Plant):
     def _supply(self) -> None:
         super()._supply()
         self._latches = Latches(self, self.tick)
+        self._boot_ticks = ceil(self.boot_time / self.tick - 1e-6)
         self._owed = 0.0  # ticks gone by that have not been simulated
         self._calm: Any = None  # the inputs, when with them nothing happens for the time `_ahead`
         self._ahead = 0.0
@@ -106,7 +107,7 @@ class OutputStage(Plant):
         self._owed += dt / self.tick
         while (due := int(self._owed + 1e-6)) > 0:
             rest = self.rest
-            ticks = max(1, ceil(min(rest / self.tick, due) - 1e-6))
+            ticks = max(1, ceil(min(rest / self.tick, due) - 1e-6)) if rest else 1
             self._owed -= ticks
             if rest and self.settled:
                 self.coast(ticks)
@@ -121,8 +122,10 @@ class OutputStage(Plant):
 
     def _look_ahead(self) -> None:
         undisturbed = 0.0 if self._latches.pending else self.ahead
-        self._ahead = min(undisturbed, self._boot_left or inf)
-        self._calm = inputs_of(self) if undisturbed else None
+        if undisturbed:
+            self._ahead, self._calm = min(undisturbed, self._boot_left or inf), inputs_of(self)
+        else:
+            self._calm = None
 
     def _supervise(self) -> None:
         if self.state is StageState.POWERUP:
@@ -134,7 +137,7 @@ class OutputStage(Plant):
 
     @property
     def _boot_left(self) -> float:
-        return max(0, ceil(self.boot_time / self.tick - 1e-6) - self.ticks) * self.tick
+        return max(0, self._boot_ticks - self.ticks) * self.tick
 
     def _follow_latches(self) -> None:
         if self._latches.errors:
@@ -143,8 +146,10 @@ class OutputStage(Plant):
             self._fire(StageEvent.WARN)
 
     def _fire(self, event: StageEvent) -> None:
-        was_running = self.running
-        self.state = TRANSITIONS[self.state].get(event, self.state)
+        state, was_running = TRANSITIONS[self.state].get(event), self.running
+        if state is None:
+            return
+        self.state = state
         if self.running is not was_running:
             self.circuit.disturb()
             self._calm = None

@@ -14,19 +14,17 @@ class HeatSink:
     """Temperature in degC; losses in W warm it above the ambient."""
 
     def __init__(self, unit: UnitType, temperature: float) -> None:
-        self._unit = unit
+        self._resistance = unit.thermal_resistance
+        self.time_constant = self._resistance * unit.thermal_capacity  # s
         self.temperature = temperature
-
-    @property
-    def time_constant(self) -> float:
-        """Seconds."""
-        return self._unit.thermal_resistance * self._unit.thermal_capacity
 
     @property
     def derating(self) -> float:
         """Part of the maximum current it can carry: 1 when not warm, 0.5 and no less when hot."""
+        if self.temperature <= WARM:
+            return 1.0
         excess = (self.temperature - WARM) / (HOT - WARM)
-        return 1.0 - (1.0 - LEAST) * min(max(excess, 0.0), 1.0)
+        return 1.0 - (1.0 - LEAST) * min(excess, 1.0)
 
     def step(self, dt: float, loss: float, ambient: float) -> None:
         """`dt` seconds, of any length, at constant loss."""
@@ -35,7 +33,7 @@ class HeatSink:
 
     def end(self, loss: float, ambient: float) -> float:
         """The temperature that `loss` leads to."""
-        return ambient + loss * self._unit.thermal_resistance
+        return ambient + loss * self._resistance
 
     def time_to(self, level: float, end: float) -> float:
         """Seconds until the temperature rises to `level` on its way to `end`; inf if never."""
@@ -53,12 +51,13 @@ class I2tStore:
     """Charge in A2s, never below 0; the unit warns at half its limit and trips at the limit."""
 
     def __init__(self, unit: UnitType) -> None:
-        self._unit = unit
+        self._permitted = unit.i2t_current**2
         self.charge = 0.0
 
     def step(self, dt: float, current: float) -> None:
         """`dt` seconds, of any length, at constant current."""
-        self.charge = max(0.0, self.charge + self._rate(current) * dt)
+        charge = self.charge + self._rate(current) * dt
+        self.charge = charge if charge > 0.0 else 0.0
 
     def time_to(self, level: float, current: float) -> float:
         """Seconds until the charge rises to `level`; inf if never."""
@@ -68,6 +67,5 @@ class I2tStore:
         return (level - self.charge) / rate
 
     def _rate(self, current: float) -> float:
-        permitted = self._unit.i2t_current**2
-        rate = current**2 - permitted
-        return rate if abs(rate) > HAIR * permitted else 0.0
+        rate = current**2 - self._permitted
+        return rate if abs(rate) > HAIR * self._permitted else 0.0

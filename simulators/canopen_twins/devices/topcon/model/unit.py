@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from math import isfinite, pi
 from typing import Literal
 
@@ -50,12 +51,12 @@ class UnitType:
         if complaint := next(self._complaints(), ""):
             raise ValueError(f"unit type {self.name!r}: {complaint}")
 
-    @property
+    @cached_property
     def droop(self) -> float:
         """Ohm that stand for the finite gain of the voltage loop: 0.1 part at full current."""
         return 0.1 * self.nominal_voltage / FULL_SCALE / self.maximum_current
 
-    @property
+    @cached_property
     def control_delay(self) -> float:
         """Seconds until the converter has followed a load that lets go."""
         return 1.0 / (2.0 * pi * self.control_bandwidth)
