@@ -131,6 +131,32 @@ def test_something_can_be_done_after_each_action_at_its_time(clock):
     assert seen == ["action", 0.1, "action", 0.2]
 
 
+def test_an_action_knows_whether_it_would_be_the_next(clock):
+    seen = []
+    clock.at(0.2, lambda: None)
+    clock.at(0.1, lambda: seen.extend(map(clock.is_free, (199_999, 200_000))))
+    clock.at(0.3, lambda: seen.extend(map(clock.is_free, (400_000, 400_001))))
+    clock.advance_to(0.4)
+    assert seen == [True, False, True, False]
+    assert not clock.is_free(400_001)  # nobody lets time pass
+
+
+def test_an_action_goes_on_without_a_timer(clock):
+    fired = []
+
+    def act():
+        fired.append(clock.now)
+        if clock.is_free(clock.ticks + 100_000):
+            clock.go_on(clock.ticks + 100_000)
+            act()
+
+    clock.at(0.1, act)
+    clock.at(0.35, lambda: fired.append("other"))
+    clock.advance_to(1.0)
+    assert fired == [0.1, 0.2, 0.3, "other"]
+    assert clock.now == 1.0
+
+
 def test_an_error_in_an_action_reaches_the_caller(clock):
     clock.after(0.1, lambda: {}["missing"])
     with pytest.raises(KeyError, match="missing"):

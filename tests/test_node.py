@@ -192,6 +192,33 @@ def test_a_device_without_rest_is_stepped_every_cycle():
     assert probe.steps == [0.01, 0.01, 0.01, 0.01]
 
 
+def test_devices_that_move_take_turns_and_whoever_looks_sees_both_up_to_date():
+    one, other = Probe(node_id=1), Probe(node_id=2)
+    one.rest = other.rest = 0
+    bench = Bench.of({"one": one, "other": other})
+    seen = []
+    bench.clock.every(0.024, lambda: seen.append((len(one.steps), len(other.steps))))
+    bench.run(0.1)
+    assert seen == [(2, 2), (4, 4), (7, 7), (9, 9)]
+    assert one.steps == other.steps == [0.01] * 10
+
+
+def test_news_of_a_device_that_moves_is_told_in_its_cycle():
+    class Failing(Probe):
+        def step(self, dt):
+            super().step(dt)
+            self.emergencies = (Emcy(0x1000, 1),) if len(self.steps) >= 3 else ()
+
+    probe = Failing()
+    probe.rest = 0
+    bench = Bench.of({"probe": probe})
+    bench.run(0.1)
+    assert [(record.time, str(record.frame)) for record in bench.trace][-1:] == [
+        (0.03, "085#0010010000000000")
+    ]
+    assert len(probe.steps) == 10
+
+
 def test_a_device_at_rest_is_not_stepped_until_a_frame_comes(bench):
     probe = bench.device
     bench.run(1.239)

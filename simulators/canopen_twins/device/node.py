@@ -371,7 +371,18 @@ class Node:
     def _tick(self) -> None:
         self._catch_up()
         self._settle()
+        while self._is_alone:
+            self.clock.go_on(self._stepped + self._cycle)
+            self._catch_up()
+            self._settle()
         self._arm()
+
+    @property
+    def _is_alone(self) -> bool:
+        """Whether the next cycle of a device that moves is what comes next: it needs no timer."""
+        if self.device.rest or self.wire.outbox:
+            return False
+        return self.clock.is_free(self._stepped + self._cycle)
 
     def _arm(self) -> None:
         rest, stack = self.device.rest * MICROSECONDS, self._stack
