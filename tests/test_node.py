@@ -125,6 +125,13 @@ def test_reset_node_renews_the_application_too(bench):
     assert bench.send("605#4017100000000000") == ["585#4B17100000000000"]
 
 
+def test_who_looks_into_the_dictionary_of_a_node_makes_none(bench):
+    node = bench.twin.node
+    assert node.dictionary is node.slave.object_dictionary
+    bench.power_off()
+    assert 0x1000 in node.dictionary
+
+
 @pytest.mark.parametrize("reset", ["000#8105", "000#8205"])
 def test_no_timer_outlives_a_reset(operational, reset):
     for write in (

@@ -5,6 +5,8 @@ from contextlib import contextmanager
 from math import inf
 from pathlib import Path
 
+from canopen import ObjectDictionary
+
 from canopen_twins.bus.clock import MICROSECONDS, Action, Clock, Scope, Timer, microseconds
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.identifiers import UNCONFIGURED
@@ -227,6 +229,12 @@ class Node:
     def slave(self) -> Slave | None:
         """The dictionary in force, none while the node is silent."""
         return None if self._stack is None else self._stack.slave
+
+    @property
+    def dictionary(self) -> ObjectDictionary:
+        """The one in force, or the one to boot with; for whoever only looks."""
+        stack = self._stack
+        return self.device.dictionary() if stack is None else stack.slave.object_dictionary
 
     @property
     def state(self) -> State:

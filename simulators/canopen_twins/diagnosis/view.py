@@ -98,7 +98,7 @@ class View:
 
     @cached_property
     def _dictionary(self) -> ObjectDictionary:
-        return self.node.device.dictionary()
+        return self.node.dictionary
 
 
 def in_brackets(source: str) -> str:

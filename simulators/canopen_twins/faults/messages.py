@@ -39,7 +39,7 @@ def tpdo(place: Place, number: int) -> Fits:
     Raises:
         UserError: the device has no TPDO of this number.
     """
-    if number and Tpdo.communication + number - 1 not in place.node.device.dictionary():
+    if number and Tpdo.communication + number - 1 not in place.node.dictionary:
         raise UserError(f"the device has no TPDO {number}")
 
     def fits(node: Node, frame: Frame) -> bool:

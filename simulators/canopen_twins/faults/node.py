@@ -27,7 +27,7 @@ class Counterfeit(Disturbance):
 
     def __init__(self, place: Place, address: Address, value: int | str) -> None:
         super().__init__(place)
-        if place.node.device.dictionary().get_variable(*address) is None:
+        if place.node.dictionary.get_variable(*address) is None:
             raise UserError(f"the device has no object {address_text(address)}")
         self._address = address
         self._value = value

@@ -102,7 +102,7 @@ class SdoFilter(Filtering):
         **aim: Any,
     ) -> None:
         super().__init__(place, anything, effect, **aim)
-        self._meant = meant(place.node.device.dictionary(), object, access, segment)
+        self._meant = meant(place.node.dictionary, object, access, segment)
         self._conversation = sdo.Conversation()
         self._struck = False
 

@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 from typing import cast
 
 from canopen import ObjectDictionary
@@ -47,6 +48,12 @@ NODE_ID, LED_BAR = (0x2002, 0x06), (0x2002, 0x1D)
 FACTORY_BIT_TIMING = 4  # 2002h:07h
 TO_MILLI, TO_MICRO = 1e3, 1e6
 LONGEST_REST = 3600.0  # s (A-79)
+
+
+@lru_cache(maxsize=16)
+def _parameters(eds: str, node_id: int) -> Mapping[int, ODVariable]:
+    """The entries of 2002h, to be looked at only."""
+    return cast(ODRecord, dictionary(eds, node_id)[0x2002]).subindices
 
 
 class Device(device.Device):
@@ -167,8 +174,7 @@ class Device(device.Device):
         self.build = build(self.settings)
         self.eds = file_name(self.build)
         self.catalogue = messages.catalogue(self.settings.messages)
-        entries = dictionary(self.eds, self.settings.node_id)[0x2002]
-        self.storage = Storage(self.memory, cast(ODRecord, entries).subindices)
+        self.storage = Storage(self.memory, _parameters(self.eds, self.settings.node_id))
         self._factory = factory(self.build.kind)
         self._find_place()
         values = self.storage.parameters(self._factory)

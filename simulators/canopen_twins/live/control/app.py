@@ -179,7 +179,7 @@ def _add_why(app: FastAPI, desk: Desk) -> None:
 
 def _address(desk: Desk, node: str, name: str) -> tuple[int, int]:
     """Raises `UserError` if there is no such object."""
-    variable = Objects(desk.node(node).device.dictionary()).find(name)
+    variable = Objects(desk.node(node).dictionary).find(name)
     return variable.index, variable.subindex
 
 
