@@ -9,7 +9,7 @@ import pytest
 
 from canopen_twins import Bench
 from canopen_twins.live.control.events import Events
-from canopen_twins.live.control.stream import ROOM, Streams
+from canopen_twins.live.control.stream import ROOM, Streams, Wanted
 from canopen_twins.live.orders import Orders
 
 REFUSED = "605#2B1020000F270000"  # Run command = 9999
@@ -82,7 +82,7 @@ def test_who_takes_nothing_is_dropped_while_others_hear_all():
     streams = Streams(Events(bench.segment, orders))
 
     async def run():
-        slow, quick = (streams.watch(lambda event: event.kind == "frame") for _ in range(2))
+        slow, quick = (streams.watch(Wanted(["frame"])) for _ in range(2))
         for each in (slow, quick):
             await anext(each)
         heard = 0
@@ -98,7 +98,31 @@ def test_who_takes_nothing_is_dropped_while_others_hear_all():
         await quick.aclose()
 
     asyncio.run(run())
-    assert streams._events.watchers == 0
+    assert not +streams._events.watched
+
+
+def test_who_wants_emergencies_alone_has_no_other_frame_decoded():
+    bench = Bench("topcon", node_id=5)
+    orders = Orders()
+    events = Events(bench.segment, orders)
+    events.watched["emcy"] = 1
+    bench.send("605#4000100000000000")
+    assert not orders.waiting
+    bench.inject("error", number=0x23)
+    while orders.waiting:
+        orders.carry_out()
+    assert [event.kind for event in events.take()] == ["frame", "emcy"]
+
+
+def test_frames_that_somebody_has_are_left_out(port):
+    with port.events("?kind=frame") as events, port.master() as send:
+        send("605#4000100000000000")
+        request, answer = islice(events, 2)
+    told = port.get(f"/frames?last=500&after={request['moment']}").body
+    moments = [frame["moment"] for frame in told]
+    assert answer["moment"] in moments or answer["moment"] == request["moment"]
+    assert min(moments, default=answer["moment"]) >= request["moment"]
+    assert request["frame"] not in [frame["frame"] for frame in told]
 
 
 def test_without_a_watcher_nothing_is_decoded():

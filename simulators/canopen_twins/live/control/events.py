@@ -1,7 +1,7 @@
 """What happens on a bus, told as it happens: decoded by the twins' thread, taken by the port's."""
 
 import logging
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import contextmanager
@@ -42,8 +42,8 @@ class Events:
     def __init__(self, segment: Segment[Node], orders: Orders) -> None:
         self.records: deque[Record] = deque(maxlen=KEPT)
         """Only for the thread of the twins."""
-        self.watchers = 0
-        """Those who want events; `take` is for them."""
+        self.watched: Counter[str] = Counter()
+        """How many want events of a kind; `take` is for them."""
         self._clock = segment.clock
         self._orders = orders
         self._nodes = {node.wire.name: node for node in segment.nodes}
@@ -78,7 +78,12 @@ class Events:
 
     def note(self, words: str) -> None:
         """Tell something that concerns the bus."""
-        self._come(Event("note", self._clock.ticks, "", words))
+        self._tell_of(Event("note", self._clock.ticks, "", words))
+
+    def last(self, count: int, after: int = -1) -> list[Record]:
+        """The last frames, those after a moment in microseconds; for the thread of the twins."""
+        records = [*self.records][-count:]
+        return [each for each in records if round(each.time * MICROSECONDS) > after]
 
     def words(self, record: Record) -> FrameEvent:
         """A frame, decoded; for the thread of the twins."""
@@ -89,11 +94,15 @@ class Events:
     def _hear(self, frame: Frame, sender: str) -> None:
         record = Record(self._clock.now, frame, sender)
         self.records.append(record)
-        self._come(record)
+        watched = self.watched
+        if watched["frame"] or (watched["emcy"] and self._is_emcy(record)):
+            self._come(record)
+
+    def _is_emcy(self, record: Record) -> bool:
+        node = self._nodes.get(record.sender)
+        return node is not None and EMCY.fits(record.frame, node)
 
     def _come(self, news: Record | Event) -> None:
-        if not self.watchers:
-            return
         if len(self._coming) >= MOST_WAITING:
             self._coming.popleft()
             self._lost += 1
@@ -121,8 +130,7 @@ class Events:
             return
         record, event = news, self.words(news)
         self._ready.append(event)
-        node = self._nodes.get(record.sender)
-        if node is not None and EMCY.fits(record.frame, node):
+        if self._is_emcy(record):
             error = emergency(emcy_of(record.frame.data))
             self._ready.append(EmcyEvent("emcy", event.moment, event.node, event.words, error))
 
@@ -149,7 +157,11 @@ class Events:
             self._add(event.kind, event.node, told, **event.fields)
 
     def _add(self, kind: str, node: str, words: str, **details: Any) -> None:
-        self._come(DetailedEvent(kind, self._clock.ticks, node, words, details))
+        self._tell_of(DetailedEvent(kind, self._clock.ticks, node, words, details))
+
+    def _tell_of(self, event: Event) -> None:
+        if self.watched[event.kind]:
+            self._come(event)
 
 
 class Notes(logging.Handler):

@@ -4,12 +4,13 @@ import asyncio
 import json
 import logging
 from collections import deque
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Collection
+from typing import NamedTuple
 
 from starlette.responses import StreamingResponse
 from starlette.types import Message, Send
 
-from canopen_twins.live.control.events import Events
+from canopen_twins.live.control.events import KINDS, Events
 from canopen_twins.live.control.schema import Event
 
 log = logging.getLogger(__name__)
@@ -21,7 +22,16 @@ QUIET = 10.0  # seconds until a line of comment shows that the connection is ali
 
 STALL = 5.0  # seconds for a client to take what it is sent
 
-Wanted = Callable[[Event], bool]
+
+class Wanted(NamedTuple):
+    """Which events somebody wants; of no node in particular those of all."""
+
+    kinds: Collection[str] = KINDS
+    nodes: Collection[str] = ()
+
+    def fits(self, event: Event) -> bool:
+        """Whether an event is one of them."""
+        return event.kind in self.kinds and (not self.nodes or event.node in self.nodes)
 
 
 class Client:
@@ -34,7 +44,7 @@ class Client:
 
     def give(self, event: Event, text: str) -> None:
         """Let it wait, if there is room."""
-        if self.wanted(event):
+        if self.wanted.fits(event):
             if len(self.waiting) >= ROOM:
                 self.dropped = True
             else:
@@ -59,7 +69,7 @@ class Streams:
         """What is wanted of the events from now on, until the port is closed."""
         client = Client(wanted)
         self._clients.append(client)
-        self._events.watchers += 1
+        self._events.watched.update(wanted.kinds)
         if self._task is None:
             self._task = asyncio.create_task(self._distribute())
         quiet = 0.0
@@ -79,7 +89,7 @@ class Streams:
                     yield ":\n\n"
         finally:
             self._clients.remove(client)
-            self._events.watchers -= 1
+            self._events.watched.subtract(wanted.kinds)
 
     async def _distribute(self) -> None:
         while self._clients:

@@ -3,8 +3,10 @@
 let catalogue = {};
 
 async function takeNode() {
+  const of = chosen;
   const [faults, settings] = await Promise.all([
     call("GET", path("faults")), call("GET", path("settings"))]);
+  if (of !== chosen) return;
   catalogue = faults.known;
   const groups = new Map();
   for (const [name, fault] of Object.entries(catalogue)) {

@@ -5,8 +5,7 @@ let frames = [], newest = -1, paused = false;
 
 async function takeFrames() {
   if (paused) return;
-  const last = await call("GET", "/frames?last=500");
-  const fresh = last.filter(each => each.moment > newest);
+  const fresh = await call("GET", `/frames?last=500&after=${newest}`);
   if (!fresh.length) return;
   newest = fresh.at(-1).moment;
   frames = fresh.reverse().concat(frames).slice(0, KEPT);

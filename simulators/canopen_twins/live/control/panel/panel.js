@@ -1,6 +1,6 @@
 // The page: which nodes there are, the one that is chosen, its state, the scenario.
 
-let known = [], chosen = "", refreshing = null;
+let known = [], chosen = "", refreshing = Promise.resolve();
 
 function path(...parts) {
   return ["/nodes", chosen, ...parts].map((part, place) => place ? encodeURIComponent(part) : part).join("/");
@@ -25,14 +25,12 @@ async function takeNodes() {
 
 async function choose(name) {
   chosen = name;
-  await takeNode();
-  await refresh();
-  await takeNodes();
+  await Promise.all([refresh(), takeNode(), takeNodes()]);
 }
 
+// One after the other: what is under way may be of before the click.
 function refresh() {
-  refreshing ??= takeState().finally(() => refreshing = null);
-  return refreshing;
+  return refreshing = refreshing.catch(() => {}).then(takeState);
 }
 
 async function takeState() {
