@@ -1,7 +1,7 @@
 """The control port of running twins: HTTP and JSON beside the bus, for any language.
 
     schema.py   what is said                     view.py       a node as it is, in these words
-    app.py      the paths                        guard.py      who may use them
+    app.py      the paths                        guard.py      who may, and how long
     desk.py     from thread to thread            scenarios.py  the one that is played
     events.py   what happens on the bus          stream.py     to whoever watches
 
@@ -81,7 +81,7 @@ def _server(
 
         from canopen_twins.live.control.app import make_app  # noqa: PLC0415
         from canopen_twins.live.control.desk import Desk  # noqa: PLC0415
-        from canopen_twins.live.control.guard import Guard  # noqa: PLC0415
+        from canopen_twins.live.control.guard import Guard, HurriedProtocol  # noqa: PLC0415
     except ModuleNotFoundError as missing:
         hint = "pip install 'canopen-twins[control]'"
         raise UserError(f"--control needs {missing.name}: {hint}") from missing
@@ -90,7 +90,7 @@ def _server(
         Guard(make_app(desk), token),
         lifespan="off",
         ws="none",
-        http="h11",
+        http=HurriedProtocol,
         loop="asyncio",
         log_config=None,
         access_log=False,
