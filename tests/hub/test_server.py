@@ -12,7 +12,7 @@ import can
 import pytest
 
 from canopen_twins.bus.frame import Frame
-from canopen_twins.bus.hub import server as connection
+from canopen_twins.bus.hub import connection
 from canopen_twins.bus.hub.client import HubBus
 from canopen_twins.bus.hub.protocol import HubAddress
 from canopen_twins.bus.hub.server import serve_hub
@@ -158,7 +158,8 @@ def test_one_frame_is_not_behind_thousands_of_somebody_else(call):
     assert place < 4500
 
 
-def test_a_client_that_asks_and_does_not_read_is_dropped_too(call, caplog):
+def test_a_client_that_asks_and_does_not_read_is_dropped_too(call, caplog, monkeypatch):
+    monkeypatch.setattr(connection, "MOST_WAITING", 1 << 16)
     dead = call(receive_buffer=4096).join()
     with suppress(ConnectionError):
         while not caplog.records:
