@@ -55,6 +55,8 @@ def test_a_number_with_a_unit_quotes_or_a_comma(told, step, answer):
         ("  - at: 0.1\n\t  nmt: start", "5:1: a tab: indent with spaces"),
         ("  - {at:0.1, nmt: start}", "4:6: unknown key 'at:0.1': a space is missing, at: 0.1"),
         ("  - at:0.1", "4:5: a space is missing after the colon: at: 0.1"),
+        ("  - at:0.1\n    nmt: start", "4:5: a space is missing after the colon: at: 0.1"),
+        ("  - {at: 0.1, inject: heartbeat_lost}", "did you mean 'heartbeat_stopped'?"),
         ("  - {at: 0.1, expect: {emcy:any, within: 1}}", "a space is missing, emcy: any"),
     ],
 )

@@ -118,6 +118,16 @@ def test_there_is_no_way_from_the_twin_to_the_bus():
     assert "only the twin sends it" in {str(each.kind) for each in told}
 
 
-def test_a_shadow_takes_no_part_in_a_scenario(said):
-    words = ("topcon", "--shadow", "--nvram", "x", "-i", "virtual")
-    assert said("run", *words)[:2] == (2, "")
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (("--nvram", "x"), "--nvram"),
+        (("--control",), "--control"),
+        (("--words",), "--words"),
+        (("--", "true"), "the COMMAND"),
+    ],
+)
+def test_a_shadow_takes_no_part_in_anything(said, options, told):
+    code, out, err = said("run", "topcon", "--shadow", "-i", "virtual", *options)
+    assert (code, out) == (2, "")
+    assert err == f"canopen-twin: --shadow takes no part in anything: leave {told} out\n"

@@ -97,8 +97,11 @@ def run(options: argparse.Namespace) -> int:
     The exit code is that of the verdict (0, or 1 if it failed); without a scenario that of the
     command; without either 0, or 130 by SIGINT.
     """
+    if options.shadow:
+        with catch_signals() as signals:
+            return _shadow(options, signals)
     with held(options.nvram) if options.nvram else nullcontext(), catch_signals() as signals:
-        return (_shadow if options.shadow else _run)(options, signals)
+        return _run(options, signals)
 
 
 def _shadow(options: argparse.Namespace, signals: Signals) -> int:

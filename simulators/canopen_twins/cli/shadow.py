@@ -14,7 +14,11 @@ from canopen_twins.live.shadow import shadow
 from canopen_twins.record.compare.agreement import Difference
 from canopen_twins.record.compare.report import account, summary
 
-OF_A_TWIN_THAT_SENDS = ("scenario", "nvram", "trace", "record", "control", "words")
+OF_A_TWIN_THAT_SENDS = {
+    **{name: f"--{name}" for name in ("scenario", "nvram", "trace", "record", "control")},
+    "tells": "--words",
+    "words": "the COMMAND",
+}
 
 
 def run_shadow(options: argparse.Namespace, signals: Signals) -> int:
@@ -23,9 +27,9 @@ def run_shadow(options: argparse.Namespace, signals: Signals) -> int:
     Raises:
         UserError: an option for twins that take part, or a bus that cannot be opened.
     """
-    for name in OF_A_TWIN_THAT_SENDS:
-        if getattr(options, name, None):
-            raise UserError(f"--shadow takes no part in anything: leave --{name} out")
+    for name, told in OF_A_TWIN_THAT_SENDS.items():
+        if getattr(options, name, None) not in (None, False, []):
+            raise UserError(f"--shadow takes no part in anything: leave {told} out")
     nodes = participants_of(options, None)
     allowed = tolerances(options, nodes.values())
     options.real_bus = True  # it is there for the real device, and does nothing to it

@@ -24,6 +24,7 @@ log = logging.getLogger(__name__)
 
 SURROGATE = re.compile("[\ud800-\udfff]")
 GLUED = re.compile(r"(\w+):(\S.*)")
+MISSING_SPACE = "a space is missing after the colon: {}: {}"
 """A key and its value without the space between them."""
 LARGEST_FILE = 256 * 1024  # bytes
 LONGEST_TIME = 86_400  # seconds: a day
@@ -237,7 +238,7 @@ class Item:
     def _no_table(self) -> str:
         is_word = isinstance(self.node, yaml.ScalarNode)
         if is_word and (glued := GLUED.fullmatch(str(self.node.value))):
-            return f"a space is missing after the colon: {glued[1]}: {glued[2]}"
+            return MISSING_SPACE.format(*glued.groups())
         return "a key with a value is wanted here, such as {key: value}"
 
     @property
@@ -381,6 +382,8 @@ def compose(text: str) -> yaml.Node:
             node = nodes(text, yaml.SafeLoader)
     except yaml.MarkedYAMLError as failure:
         mark = failure.problem_mark or _mark(text, 0)
+        if (glued := _glued(text, mark)) is not None:
+            raise glued from failure
         what = ", ".join(filter(None, (failure.context, failure.problem)))
         raise Mistake(mark, A_TAB if _is_tab(text, mark) else what) from failure
     except ReaderError as failure:
@@ -399,6 +402,15 @@ def _is_tab(text: str, mark: yaml.Mark) -> bool:
     """Whether a tab stands there or indents the line."""
     line = text.split("\n")[mark.line]
     return "\t" in (line[mark.column : mark.column + 1], *line[: len(line) - len(line.lstrip())])
+
+
+def _glued(text: str, mark: yaml.Mark) -> Mistake | None:
+    """A key without a space after its colon in the line before, where a text seems to go on."""
+    line = text.split("\n")[mark.line - 1] if mark.line else ""
+    if not (glued := GLUED.fullmatch(line.strip().removeprefix("- ").strip())):
+        return None
+    place = yaml.Mark("", 0, mark.line - 1, line.index(glued[0]), None, 0)
+    return Mistake(place, MISSING_SPACE.format(*glued.groups()))
 
 
 LOOKS: tuple[tuple[re.Pattern[str], Callable[[str], Scalar]], ...] = (

@@ -6,6 +6,7 @@ from math import inf
 from pathlib import Path
 
 from canopen_twins.bench.python_master import PythonMaster
+from canopen_twins.device.faults import OTHER_WORDS
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
 from canopen_twins.files.document import Item, Reported
@@ -188,7 +189,7 @@ def _space(file: schema.ScenarioFile, participants: Participants) -> Space:
         return Space(file.weather)
     for name in [*(said.faults or ()), *(said.without or ())]:
         with name.problems.at(name):
-            name.one_of("fault", participants.faults)
+            name.one_of("fault", participants.faults, OTHER_WORDS)
     for name in said.settings or ():
         with name.problems.at(name):
             name.one_of("setting", participants.settings)

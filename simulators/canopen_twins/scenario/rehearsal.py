@@ -11,7 +11,7 @@ from typing import Any
 from canopen_twins import devices
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.device import Device
-from canopen_twins.device.faults import Fault, argument
+from canopen_twins.device.faults import OTHER_WORDS, Fault, argument
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError, unknown
 from canopen_twins.faults import connect
@@ -85,7 +85,7 @@ class Rehearsal:
         self._faults.clear(fault)
 
     def _find(self, name: Item) -> Fault:
-        return self._faults.known[name.one_of("fault", self._faults.known)]
+        return self._faults.known[name.one_of("fault", self._faults.known, OTHER_WORDS)]
 
 
 class Participants:
