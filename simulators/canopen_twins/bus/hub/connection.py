@@ -10,7 +10,6 @@ from enum import Enum
 from itertools import chain, islice
 from typing import ClassVar
 
-from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.hub.protocol import (
     HubAddress,
     Refused,
@@ -60,10 +59,9 @@ class Switch:
         if not bus:
             self._buses.pop(client.bus, None)
 
-    def send(self, sender: "Connection", frame: Frame) -> None:
-        """Bring a frame to everybody else on the sender's bus."""
-        data = delivered(frame, time.time())
-        for client in tuple(self._buses[sender.bus]):
+    def send(self, sender: "Connection", data: bytes) -> None:
+        """Bring frames to everybody else on the sender's bus."""
+        for client in tuple(self._buses.get(sender.bus, ())):  # it may have gone with its last word
             if client is not sender:
                 client.deliver(data)
 
@@ -89,6 +87,7 @@ class Connection(asyncio.Protocol):
         self._stage = Stage.GREETED
         self._stream = Stream()
         self._heard: Iterator[str] = iter(())  # what it has said and has not been done yet
+        self._sent: list[bytes] = []  # its frames of this turn
         self._backlog = bytearray()  # what the connection does not take at the moment
         self._takes = True
         self._settling: bytearray | None = None  # what is kept back for a moment
@@ -126,8 +125,10 @@ class Connection(asyncio.Protocol):
                 if not self._transport.is_closing():
                     self._obey(text)
         except Refused as refusal:
+            self._pass_on()
             self._refuse(str(refusal))
             return
+        self._pass_on()
         if self._transport.is_closing():
             return
         if done == ELEMENTS_A_TURN:
@@ -216,9 +217,16 @@ class Connection(asyncio.Protocol):
         log.info("%s is on %s", self.name, self.bus)
 
     def _send(self, text: str) -> None:
-        self._switch.send(self, read_sent(text))
+        self._sent.append(delivered(read_sent(text), time.time()))
+
+    def _pass_on(self) -> None:
+        """What it has sent in a turn goes out in one piece: who floods a bus costs others less."""
+        if self._sent:
+            data, self._sent = b"".join(self._sent), []
+            self._switch.send(self, data)
 
     def _echo(self, text: str) -> None:
+        self._pass_on()
         self._write(element("echo"))
 
     def _settle(self) -> None:
