@@ -8,6 +8,7 @@ thing is taken; where a reading is a guess, `Value.doubt` says which.
 import re
 import struct
 from collections.abc import Callable, Collection
+from functools import lru_cache
 from typing import NamedTuple
 
 from canopen.objectdictionary import ODVariable
@@ -37,6 +38,7 @@ WORDS = {
     **dict.fromkeys(("true", "yes", "on", "enabled"), 1),
     **dict.fromkeys(("false", "no", "off", "none", "disabled"), 0),
 }
+MOST_KEPT = 1024  # numbers: most entries of a file have the same types, limits and defaults
 MOST_DIGITS = 40  # of a number: the largest there is has 20
 
 
@@ -52,14 +54,19 @@ class Value(NamedTuple):
 
 def uncommented(text: str) -> str:
     """A number without the comment that some tools put behind it."""
-    return re.split("[;#]", text, maxsplit=1)[0].strip()
+    if ";" in text or "#" in text:
+        text = re.split("[;#]", text, maxsplit=1)[0]
+    return text.strip()
 
 
 def uncommented_words(text: str) -> str:
     """A name or a text without a comment behind it; without a blank a semicolon belongs to it."""
-    return re.split(r"\s;", text, maxsplit=1)[0].strip()
+    if ";" in text:
+        text = re.split(r"\s;", text, maxsplit=1)[0]
+    return text.strip()
 
 
+@lru_cache(MOST_KEPT)
 def count(text: str) -> Value:
     """A number that is no value of an object: a leading zero there is mostly padding, not octal.
 
@@ -88,6 +95,7 @@ def value(text: str, data_type: int) -> Value:
     return read(uncommented(text), data_type)
 
 
+@lru_cache(MOST_KEPT)
 def _integer(text: str, data_type: int) -> Value:
     found = _formula(text) if NODE_ID.search(text) else _whole(text, octal=True)
     bits = ODVariable.STRUCT_TYPES[data_type].size * 8
