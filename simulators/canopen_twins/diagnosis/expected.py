@@ -44,7 +44,6 @@ class ExpectedFrame(Expected):
             yield reason
 
 
-@dataclass(frozen=True)
 class ExpectedEmcy(Expected):
     """Any emergency of the node."""
 
@@ -54,7 +53,6 @@ class ExpectedEmcy(Expected):
         yield (can_id is not None and _struck(view, can_id)) or _no_emcy(view, slave)
 
 
-@dataclass(frozen=True)
 class ExpectedHeartbeat(Expected):
     """Any heartbeat of the node."""
 
@@ -120,7 +118,6 @@ def _no_emcy(view: View, slave: Slave) -> str:
 # A silence that was not kept
 
 
-@dataclass(frozen=True)
 class ExpectedSilence(Expected):
     """No frame of the node at all."""
 
@@ -178,7 +175,6 @@ class ExpectedState(Expected):
         yield from _for_others(view)
 
 
-@dataclass(frozen=True)
 class ExpectedCommand(Expected):
     """An NMT command for the node."""
 
