@@ -13,7 +13,12 @@ class Message(can.Message):
     __slots__ = ()
 
     def __deepcopy__(self, memo: object) -> can.Message:
-        return message_of(frame_of(self))
+        return Message(
+            arbitration_id=self.arbitration_id,
+            is_extended_id=self.is_extended_id,
+            is_remote_frame=self.is_remote_frame,
+            data=bytearray(self.data),  # it takes one as it is
+        )
 
 
 def message_of(frame: Frame, **more: Any) -> Message:
