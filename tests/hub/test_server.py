@@ -16,6 +16,7 @@ from canopen_twins.bus.hub import connection
 from canopen_twins.bus.hub.client import HubBus
 from canopen_twins.bus.hub.protocol import HubAddress
 from canopen_twins.bus.hub.server import serve_hub
+from canopen_twins.bus.python_can import frame_of
 from canopen_twins.errors import UserError
 
 from .conftest import PATIENCE, PROGRAM, Caller, hub_at
@@ -131,6 +132,14 @@ def test_whoever_talks_nonsense_is_told_and_sent_away(call, said, caplog):
     ]
     other.say("< echo >")
     assert other.hear() == "< echo >"
+
+
+def test_what_was_said_before_nonsense_is_heard(call, ours):
+    listener, confused = ours(), call().join()
+    confused.say("< send 123 1 1 >< send 124 1 2 >< echo >< nonsense >< send 125 1 3 >")
+    assert [str(frame_of(listener.recv(PATIENCE))) for _ in range(2)] == ["123#01", "124#02"]
+    assert confused.hear() == "< echo >"
+    assert confused.hear().startswith("< error unknown command")
 
 
 def test_a_client_that_does_not_read_is_dropped_and_holds_nobody_up(call, ours, caplog):
