@@ -19,6 +19,13 @@ async function takeNode() {
   showSettings(settings);
 }
 
+async function takeSettings() {
+  const of = chosen;
+  if (!of) return;
+  const settings = await call("GET", path("settings"));
+  if (of === chosen) showSettings(settings);
+}
+
 function chooseFault() {
   const fault = catalogue[at("fault").value];
   if (!fault) return;

@@ -110,6 +110,6 @@ every(1000, takeNodes);
 every(200, refresh);
 every(500, takeFrames);
 every(500, takeStory);
-every(2000, async () => chosen && showSettings(await call("GET", path("settings"))));
+every(2000, takeSettings);
 takeStories().catch(failure => tell(failure.message));
 listen();
