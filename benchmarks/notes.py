@@ -19,7 +19,7 @@ NOTES = {
         " acts or its heat reaches a level. An output that moves is computed every millisecond."
         " Both units of the gateway go through 64 and 62.5 main cycles a second, and they talk to"
         " each other in each of them; once engine and governor have settled, after some 20 s, they"
-        " pass in leaps from TPDO to TPDO."
+        " sleep, too, and their TPDOs go by the clock."
     ),
     "Scenarios": (
         "Reading a file means YAML, its check against the models, and a rehearsal of every step"

@@ -66,6 +66,31 @@ def test_an_action_may_set_another_for_the_same_moment(clock):
     assert fired == [0.1]
 
 
+def test_a_series_goes_on_as_long_as_its_action_says_when(clock):
+    fired, following = [], iter([1100, 1350, None, 2000])
+
+    def action():
+        fired.append(clock.ticks)
+        return next(following)
+
+    clock.series(1000, action)
+    clock.advance(1.0)
+    assert fired == [1000, 1100, 1350]
+
+
+def test_a_series_may_be_cancelled_by_its_own_action(clock):
+    fired = []
+
+    def end():
+        fired.append(clock.ticks)
+        series.cancel()
+        return clock.ticks + 1
+
+    series = clock.series(1000, end)
+    clock.advance(1.0)
+    assert fired == [1000]
+
+
 def test_a_cancelled_action_does_not_fire(clock):
     timer = clock.after(0.1, lambda: pytest.fail("cancelled"))
     assert timer.pending

@@ -466,6 +466,7 @@ class Node:
         device = self.device
         scope = Scope(self.clock, self._on_time)
         slave = Slave(device.dictionary(), device.node_id, self.wire, scope, device.profile)
+        slave.stepped = lambda: self._stepped
         if self._afresh:
             self.log = EmcyLog()
         elif self._before is not None:

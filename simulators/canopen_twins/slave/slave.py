@@ -51,6 +51,8 @@ class Slave(LocalNode):
         """Whether its communication has to be reset. A service says so."""
         self.active_at = clock.clock.ticks
         """Microsecond of the last frame that came or went."""
+        self.stepped: Callable[[], int] = lambda: clock.clock.ticks
+        """Microsecond up to which time has passed for the device; its node knows."""
         self.profile = profile or Profile()
         self.entries: dict[int, dict[int, Entry]] = {}
         self.on_communication_change: Callable[[], None] = lambda: None

@@ -6,12 +6,12 @@ from dataclasses import dataclass, field
 from functools import partial
 
 from canopen_twins.bus import identifiers
-from canopen_twins.bus.clock import MICROSECONDS
+from canopen_twins.bus.clock import MICROSECONDS, Timer
 from canopen_twins.bus.frame import Frame
 from canopen_twins.devices.gateway.model.canopen_side import BootUp, Heartbeat, Sent, TpdoFrame
 from canopen_twins.devices.gateway.model.state import GatewayState
 from canopen_twins.devices.gateway.model.system import System
-from canopen_twins.devices.gateway.model.timing import GATEWAY_CYCLE
+from canopen_twins.devices.gateway.model.timing import GATEWAY_CYCLE, NEVER
 from canopen_twins.slave.nmt import STATE_BYTE
 from canopen_twins.slave.object import Address
 from canopen_twins.slave.service import Listening, Service, State
@@ -61,10 +61,13 @@ class Traffic(Service):
         self._told = known.tpdos if known else {}
         self._measured = frozenset(measured)
         self._late: dict[type[Sent] | int, Sent] = {}  # the newest of each, while time is made up
+        self._timer: Timer | None = None
+        self._due = NEVER  # microsecond of the clock
 
     def begin(self) -> None:
         """The slave boots: what the model has sent so far, its own boot-up message has told."""
         self._system.outbox.clear()
+        self._system.settled.is_asked = not self._measured
         self.publish()
 
     @property
@@ -81,8 +84,32 @@ class Traffic(Service):
 
     def publish(self) -> None:
         """Send what the model has sent, if it gets out."""
-        outbox = self._system.outbox
         self.slave.shut = not self._system.listening
+        self._empty_outbox()
+        self._await_tpdos()
+
+    def _await_tpdos(self) -> None:
+        """Those of a model at rest come without a step of it: the clock says when."""
+        settled = self._system.settled
+        due = settled.next_tpdos if settled.repeats and settled.leaps() else NEVER
+        begin = self.slave.stepped() - self._system.now  # of the model, by the clock
+        if due + begin == self._due:
+            return
+        if self._timer is not None:
+            self._timer.cancel()
+        self._timer, self._due = None, due + begin
+        if due < NEVER:
+            self._timer = self.slave.clock.series_alone(self._due, partial(self._on_due, begin))
+
+    def _on_due(self, begin: int) -> int | None:
+        settled = self._system.settled
+        settled.tell(self._due - begin)
+        self._empty_outbox()
+        self._due = settled.next_tpdos + begin
+        return self._due if settled.next_tpdos < NEVER else None
+
+    def _empty_outbox(self) -> None:
+        outbox = self._system.outbox
         late = self.slave.clock.behind > MAIN_CYCLE
         if self._late and not late:
             self._send(self._late.values())

@@ -186,6 +186,8 @@ class CanopenSide:
         self.partner = Watch(limit if settings[PARTNER_NODE] else 0)
         """In Operational; without a first heartbeat it is not missed, or at once (A-19)."""
         self._always_armed = always_armed
+        self.at_rest = False
+        """Whether somebody else knows what the governor sends, and when."""
 
     @property
     def listening(self) -> bool:
@@ -269,18 +271,18 @@ class CanopenSide:
             for frame in self.outputs.news():
                 self.bus.send(frame)
 
-    def send_again(self, frame: TpdoFrame) -> None:
-        """A TPDO of the governor whose values are known already."""
-        if self.operational:
-            self.bus.send(frame)
-
-    def send_tpdo(self, number: int, words: tuple[int, ...]) -> None:
-        """An analogue TPDO of the governor: keep its values, and send it on in Operational."""
+    def take_tpdo(self, number: int, words: tuple[int, ...]) -> None:
+        """An analogue TPDO of the governor: keep its values, and send it on if it is not known."""
         if self.outputs is None:
             return
         self.outputs.take(self.outputs.dictionary.tpdos[number].entries, words)
+        if not self.at_rest:
+            self.send_tpdo(TpdoFrame(number, words))
+
+    def send_tpdo(self, frame: TpdoFrame) -> None:
+        """Send an analogue TPDO of the governor on, in Operational."""
         if self.operational:
-            self.bus.send(TpdoFrame(number, words))
+            self.bus.send(frame)
 
 
 HELD = attrgetter(

@@ -138,7 +138,7 @@ class GatewayProgramme(Programme):
                 self.errors.partner = told
                 self.canopen.show(present | self.unit.memory.present, engine)
             case TpdoData(number, words):
-                self.canopen.send_tpdo(number, words)
+                self.canopen.take_tpdo(number, words)
             case GovernorAlive(told):
                 self.errors.partner = told
             case Command() as command:

@@ -69,7 +69,9 @@ class GovernorProgramme(Programme):
             for tpdo in self._tpdos
         }
         self._constant = all(self._is_constant(n) for t in self._tpdos for n in t.sources.values())
-        self._served = 0  # main cycles
+        self._periods = [(tpdo.number, tpdo.period) for tpdo in self._tpdos]
+        self.served = 0
+        """Main cycles in which TPDOs may have been sent."""
         self._met = False  # the gateway was heard since the reset
 
     @property
@@ -130,9 +132,9 @@ class GovernorProgramme(Programme):
     def _serve_tpdos(self) -> None:
         if self.handshake.phase not in SERVED:
             return
-        self._served += 1
+        self.served += 1
         for tpdo in self._tpdos:
-            if self._served % tpdo.period == 0:
+            if self.served % tpdo.period == 0:
                 self.can.send(TpdoData(tpdo.number, self.words(tpdo.number)))
 
     def _is_constant(self, number: int) -> bool:
@@ -150,24 +152,27 @@ class GovernorProgramme(Programme):
         return led and self.can.is_steady and self.control.is_steady
 
     @property
-    def cycles_to_tpdo(self) -> int:
-        """Main cycles up to the next in which a TPDO is sent; NEVER if there is none."""
-        return min((t.period - self._served % t.period for t in self._tpdos), default=NEVER)
-
-    @property
     def patience(self) -> int:
         """Main cycles until something is missed; NEVER if nothing is waited for."""
         return self.inputs.patience if self.state is GatewayState.OPERATIONAL else NEVER
 
-    def tpdos_in(self, cycles: int) -> Iterator[int]:
-        """The TPDOs of the next main cycles, one after the other."""
-        for served in range(self._served + 1, self._served + cycles + 1):
-            yield from (tpdo.number for tpdo in self._tpdos if served % tpdo.period == 0)
+    def tpdos_in(self, cycle: int) -> list[int]:
+        """The TPDOs of a main cycle, as they are counted by `served`."""
+        return [number for number, period in self._periods if cycle % period == 0]
+
+    def next_with_tpdos(self, cycle: int) -> int:
+        """The next main cycle after one in which there are any; NEVER if there is none."""
+        return min([cycle + period - cycle % period for _, period in self._periods], default=NEVER)
 
     def tpdos_among(self, cycles: int) -> Iterator[int]:
-        """The same, each but once."""
-        served = self._served + cycles
-        yield from (t.number for t in self._tpdos if served % t.period < cycles)
+        """The TPDOs of the next main cycles, each but once."""
+        served = self.served + cycles
+        yield from (number for number, period in self._periods if served % period < cycles)
+
+    @property
+    def told(self) -> dict[int, tuple[int, ...]]:
+        """What every TPDO tells at this moment."""
+        return {tpdo.number: self.words(tpdo.number) for tpdo in self._tpdos}
 
     def words(self, number: int) -> tuple[int, ...]:
         """What a TPDO tells at this moment."""
@@ -181,7 +186,7 @@ class GovernorProgramme(Programme):
         self.control.leap(cycles)
         if self.state is GatewayState.OPERATIONAL:
             self.inputs.leap(cycles)
-        self._served += cycles
+        self.served += cycles
         self._cycles += cycles
 
     def _reader(self, number: int) -> Callable[[], float]:
@@ -198,7 +203,7 @@ class GovernorProgramme(Programme):
                 self.handshake.ready(answer)
             case InitResult() as answer:
                 self.handshake.judged(answer)
-                self._served = 0
+                self.served = 0
             case RpdoData(number, words):
                 self.inputs.rpdos[number].take(words)
             case ClearErrors():

@@ -46,7 +46,13 @@ class Settled:
         self._motion: list[Any] = []
         self._resting: tuple[GovernorProgramme, GatewayProgramme] | None = None
         self._waits = False  # for what may be missed
-        self._frames: dict[int, TpdoFrame] = {}  # that were sent at rest
+        self.is_asked = False
+        """Whether somebody asks for TPDOs by `tell` when they are due."""
+        self._frames: dict[int, TpdoFrame] = {}  # by number, as long as it is at rest
+        self._untaken: set[int] = set()  # those that have not come since
+        self._cycle = 0  # main cycle of the governor with the next of them
+        self.next_tpdos = NEVER
+        """When the next of them are due, us; NEVER without rest."""
 
     def at_rest(self) -> bool:
         """Whether nothing moves; anything that is different from the last look ends that."""
@@ -54,8 +60,10 @@ class Settled:
             return False
         if self._held == [read(part) for read, part in self._parts]:
             return True
-        self._resting[0].control.at_rest = False
-        self._resting, self._parts = None, ()
+        governor, gateway = self._resting
+        self.tell(self._time.now)
+        governor.control.at_rest = gateway.canopen.at_rest = False
+        self._resting, self._parts, self.next_tpdos = None, (), NEVER
         return False
 
     def look(self) -> None:
@@ -78,7 +86,8 @@ class Settled:
             self._held = [read(part) for read, part in self._parts]
             self._resting = governor, gateway
             self._waits = governor.inputs.watches or gateway.canopen.watches
-            self._frames.clear()
+            gateway.canopen.at_rest = True
+            self._begin_tpdos(governor, gateway)
 
     def _is_quiet(self, governor: GovernorProgramme, gateway: GatewayProgramme) -> bool:
         """Whether the next main cycles do again what the last ones have done."""
@@ -107,15 +116,22 @@ class Settled:
     # Leaps: to be taken while at rest
 
     @property
-    def due(self) -> int | None:
-        """When something is noticed or missed, us; none: it depends on what is underway."""
-        if self._resting is None or self._to_gateway.underway or self._to_governor.underway:
-            return None
-        governor, gateway = self._resting
-        if not gateway.canopen.operational:
-            return self._missed
-        told = self._governor.after(governor.cycles_to_tpdo) + self._to_gateway.delay
-        return min(told, self._missed)
+    def _is_underway(self) -> bool:
+        return self._to_gateway.underway or self._to_governor.underway
+
+    def leaps(self) -> bool:
+        """Whether it is at rest, and no telegram is on its way."""
+        return not self._is_underway and self.at_rest()
+
+    @property
+    def due(self) -> int:
+        """When a step is wanted, us."""
+        return self._missed if self.repeats else min(self.next_tpdos, self._missed)
+
+    @property
+    def repeats(self) -> bool:
+        """Whether TPDOs that are asked for bring nothing new, and need no step."""
+        return self.is_asked and not self._untaken
 
     @property
     def _missed(self) -> int:
@@ -127,7 +143,7 @@ class Settled:
 
     def leap(self, end: int) -> None:
         """Let time pass up to a moment, us, or as far before as nothing is underway or missed."""
-        if self._resting is None or self._to_gateway.underway or self._to_governor.underway:
+        if self._resting is None or self._is_underway:
             return
         governor, gateway = self._resting
         end = min(end, self._missed - 1)
@@ -141,21 +157,49 @@ class Settled:
                 end = told - 1
             else:
                 break
-        self._send(governor, gateway, ticks)
+        self.tell(end)
+        for number in governor.tpdos_among(ticks):
+            self._take(gateway, number)
         governor.leap(ticks, last, told + self._to_governor.delay)
         gateway.leap(others, last + self._to_gateway.delay if ticks else None)
         self._governor.due += ticks * self._governor.cycle
         self._gateway.due += others * self._gateway.cycle
 
-    def _send(self, governor: GovernorProgramme, gateway: GatewayProgramme, cycles: int) -> None:
-        noticed = gateway.canopen.operational
-        for number in governor.tpdos_in(cycles) if noticed else governor.tpdos_among(cycles):
-            if number in self._frames:
-                gateway.canopen.send_again(self._frames[number])
-            else:
-                words = governor.words(number)
-                self._frames[number] = TpdoFrame(number, words)
-                gateway.canopen.send_tpdo(number, words)
+    # TPDOs: while at rest they are sent by `tell` alone
+
+    def tell(self, until: int) -> None:
+        """Send the TPDOs that are due up to a moment, us, and have not been sent."""
+        if self._resting is None:
+            return
+        governor, gateway = self._resting
+        while self.next_tpdos <= until:
+            for number in governor.tpdos_in(self._cycle):
+                gateway.canopen.send_tpdo(self._take(gateway, number))
+            self._await_tpdos(governor, self._cycle)
+
+    def _begin_tpdos(self, governor: GovernorProgramme, gateway: GatewayProgramme) -> None:
+        """Those that are underway are among them."""
+        self._frames = {n: TpdoFrame(n, words) for n, words in governor.told.items()}
+        self._untaken = set(self._frames)
+        self.next_tpdos = NEVER
+        if gateway.canopen.operational:
+            since = self._time.now - self._to_gateway.delay - self._governor.due
+            last = governor.served + since // self._governor.cycle + 1
+            self._await_tpdos(governor, last)
+
+    def _await_tpdos(self, governor: GovernorProgramme, cycle: int) -> None:
+        """After a main cycle."""
+        self._cycle = governor.next_with_tpdos(cycle)
+        due = self._governor.after(self._cycle - governor.served)
+        self.next_tpdos = due + self._to_gateway.delay
+
+    def _take(self, gateway: GatewayProgramme, number: int) -> TpdoFrame:
+        """The values of a TPDO that has come are those of the dictionary."""
+        frame = self._frames[number]
+        if number in self._untaken:
+            self._untaken.remove(number)
+            gateway.canopen.take_tpdo(*frame)
+        return frame
 
 
 def _moving(governor: GovernorProgramme) -> Parts:

@@ -34,7 +34,8 @@ class System:
         self._units: tuple[Governor | Gateway, ...] = (self.governor, self.gateway)
         self._to_gateway = self.link.to[Unit.GATEWAY]
         self._to_governor = self.link.to[Unit.GOVERNOR]
-        self._settled = Settled(self.governor, self.gateway, self.link, self._time)
+        self.settled = Settled(self.governor, self.gateway, self.link, self._time)
+        """Knows whether all is at rest; then it sends the TPDOs, if somebody asks for them."""
 
     def configure(self, content: Mapping[str, Mapping[Any, Any]]) -> None:
         """Deliver both units with these parameters, by number or name; acts at their next reset.
@@ -82,13 +83,16 @@ class System:
             ValueError: not such a multiple.
         """
         end = self._time.now + microseconds(dt)
-        if self._settled.at_rest():
-            self._settled.leap(end)
+        if self.settled.at_rest():
+            self.settled.leap(end)
         while (due := self._due) <= end:
             self._time.now = due
             self._act(due)
+            if self.settled.leaps():
+                self.settled.leap(end)
         self._time.now = end
-        self._settled.look()
+        self.settled.tell(end)
+        self.settled.look()
 
     @property
     def rest(self) -> float:
@@ -96,11 +100,17 @@ class System:
 
         A main cycle of the governor and what it hears are noticed when a telegram has come over.
         """
-        due = self._settled.due if self._settled.at_rest() else None
-        if due is None:
+        if self.settled.leaps():
+            due = self.settled.due
+        else:
             hidden = min(self.governor.due, self._to_governor.due)
             due = min(self.gateway.due, self._to_gateway.due, hidden + self._to_gateway.delay)
         return (due - self._time.now) / 1_000_000 if due < NEVER else inf
+
+    @property
+    def now(self) -> int:
+        """Microseconds that have passed."""
+        return self._time.now
 
     @property
     def _due(self) -> int:
@@ -112,10 +122,12 @@ class System:
             self.gateway.receive(self._to_gateway.arrive())
         while self._to_governor.due == now:
             self.governor.receive(self._to_governor.arrive())
-        self._settled.at_rest()  # which what has arrived may end
+        if self.settled.at_rest():  # which what has arrived may end
+            self.settled.tell(now)
         for unit in self._units:
             if unit.due == now:
                 unit.act()
+        self.settled.at_rest()  # and what is missed
 
     @property
     def state(self) -> GatewayState:
