@@ -66,7 +66,7 @@ def test_between_two_whole_degrees_nothing_is_promised_that_does_not_hold(power,
     sensor.lead(0, 3.0, 25.0, 0.0)
     sensor.lead(70, power, 25.0, heat)
     now = 70
-    while (quiet := sensor.quiet(now)) < 1000:
+    while (quiet := sensor.quiet(sensor.at(now))) < 1000:
         shown = {int(sensor.at(tick)) for tick in range(now, now + quiet)}
         assert len(shown) == 1
         now += quiet

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from canopen_twins import Bench
 from canopen_twins.devices.charger.model.charger import Charger
+from canopen_twins.devices.charger.model.discharging import Bars
 from canopen_twins.devices.charger.model.load import SHORT
 from canopen_twins.devices.charger.model.parameters import Parameter
 from canopen_twins.devices.charger.model.release import ReleaseSource
@@ -95,6 +96,40 @@ def test_a_charger_at_rest_shows_nothing_new_before_its_rest_is_over(story, cata
         if rest:
             charger.step(rest - TICK)
             assert shown(charger) == before, act
+
+
+class Forgetful(set):
+    """For a charger that judges itself whenever its discharging moves."""
+
+    def add(self, point):
+        pass
+
+
+WATCHED = ACTS | {
+    "watch": lambda charger: charger.write(Parameter.POLLUTION_DETECTION_DISCHARGING, 1),
+    "learn": lambda charger: charger.write(Parameter.POLLUTION_DETECTION_DISCHARGING, 2),
+    "dirt on a bar": lambda charger: charger.surround(bars=Bars(power=(2.0, 0.3))),
+    "clean bars": lambda charger: charger.surround(bars=Bars()),
+    "little power": lambda charger: charger.surround(supply_voltage=18.1),
+    "almost hot": lambda charger: charger.surround(heat={"discharging": 44.5}),
+    "as ever": lambda charger: charger.surround(supply_voltage=24.0, heat={}),
+}
+
+
+@given(story=st.lists(st.tuples(st.sampled_from(sorted(WATCHED)), st.integers(1, 200_000))))
+@settings(max_examples=12, deadline=None, derandomize=True)
+def test_what_a_charger_does_not_judge_again_would_tell_nothing(story, catalogue):
+    charger, careful = twin(catalogue), twin(catalogue)
+    careful._calm = Forgetful()
+    for each in (charger, careful):
+        each.write(Parameter.FREQUENCY_DISCHARGING, 5)
+        WATCHED["discharge"](each)
+        WATCHED["watch"](each)
+    for act, ticks in [("nothing", 200_000), *story[:6]]:
+        for each in (charger, careful):
+            WATCHED[act](each)
+            each.step(ticks * TICK)
+        assert exactly(charger) == exactly(careful), act
 
 
 @pytest.mark.parametrize("seconds", [0.005, 0.015, 1 / 3])

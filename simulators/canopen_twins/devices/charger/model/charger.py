@@ -6,7 +6,7 @@ from enum import Enum, auto
 from typing import Any
 
 from canopen_twins.devices.charger.model.charging import Charging
-from canopen_twins.devices.charger.model.discharging import CLEAN, Dirt, Discharging
+from canopen_twins.devices.charger.model.discharging import CLEAN, Dirt, Discharge, Discharging
 from canopen_twins.devices.charger.model.messages import (
     COUNTERS,
     Catalogue,
@@ -73,6 +73,8 @@ class Charger:
         self.hours = Hours()
         self._touched = True  # something was done since the last tick, or came of it
         self._next = 0  # tick at which something changes by itself, unless it is touched before
+        self._swings = False  # whether that is the discharging alone, as it does again and again
+        self._calm: set[Discharge] = set()  # where it was since, and no message had a cause
         self._fixed = FIXED_IN_C if build.entries_of is Variant.C else {}
         self.restart(values)
 
@@ -270,36 +272,48 @@ class Charger:
         """Ticks until something changes by itself."""
         return 1 if self._touched else self._next - self.now
 
-    def _look_ahead(self) -> int:
-        """The same, worked out anew; it holds until then, as long as nobody acts."""
-        now, charging, discharging = self.now, self.charging_active, self.discharging_active
-        return min(
+    def _look_ahead(self) -> None:
+        """Work out until when nothing changes, as long as nobody acts."""
+        now, swing = self.now, self.discharging.quiet(self.discharging_active)
+        others = min(
             self.release.quiet(now, self.parameters[Parameter.RELEASE_TIMEOUT]),
-            self.charging.quiet(now, charging),
-            self.discharging.quiet(discharging),
+            self.charging.quiet(now, self.charging_active),
             self.heating.quiet(now),
             self.derating.quiet(now, self.heating.at(now)),
             self.messages.quiet(now),
         )
+        self._next, self._swings = now + min(swing, others), swing < others
 
     def _coast(self, ticks: int) -> None:
         """Let ticks pass in which nothing changes but what counts them."""
         self.now += ticks
-        self._drive(ticks)
-        self.hours.add(ticks, self.charging_active, self.discharging_active)
+        if self.charging_active:
+            self.charging.drive(self.now, ticks, self.surroundings, self.derating.charging)
+        discharging = self.discharging_active
+        if discharging:
+            self.discharging.coast(ticks)
+        self.hours.add(ticks, self.charging_active, discharging)
 
     def _advance(self, ticks: int) -> None:
-        before = self._state
+        before, swings = self._state, self._swings and not self._touched
         self.now += ticks
-        self._obey()
+        if not swings:
+            self._calm.clear()
+            self._obey()
         self._drive(ticks)
         self._warm()
         self.hours.add(ticks, self.charging_active, self.discharging_active)
-        self.messages.judge(self.now, self.situation)
-        self._react()
+        if self.discharging.now not in self._calm:
+            self._judge()
         self._touched = self._state != before
         if not self._touched:
-            self._next = self.now + self._look_ahead()
+            self._look_ahead()
+
+    def _judge(self) -> None:
+        self.messages.judge(self.now, self.situation)
+        self._react()
+        if self.messages.calm:
+            self._calm.add(self.discharging.now)
 
     def _obey(self) -> None:
         """Timeout and analog setpoint; keys and masters have had their say before."""

@@ -178,7 +178,10 @@ class Charging:
     def idle(self, now: int, ticks: int, surroundings: Surroundings) -> None:
         """Let `ticks` pass up to `now` with high voltage off."""
         self._around = None
-        self.output.decay(ticks, surroundings.load(self.kind, self.parameters[Parameter.MODE]))
+        if self.output.voltage:
+            self.output.decay(ticks, surroundings.load(self.kind, self.parameters[Parameter.MODE]))
+        else:
+            self.output.hold(0.0)
         self._resistance.clear()
         self._expect_spark(now, 0.0)
 

@@ -143,6 +143,7 @@ class Discharging:
     dirt: tuple[Dirt, Dirt] = field(default=CLEAN, init=False)
     _calibrated: int = field(default=0, init=False)  # ticks
     _elapsed: int = field(default=0, init=False)  # ticks since the bars are watched
+    _at_reference: bool = field(default=False, init=False)  # watched, and as it should be for that
 
     @property
     def _detection(self) -> int:
@@ -157,10 +158,18 @@ class Discharging:
             wanted = reference
         adjustment = self.parameters[Parameter.ADJUSTMENT_DISCHARGING]
         self.now = active(wanted, adjustment, self.kind, power, web=web, bars=bars)
+        self._at_reference = watched and wanted == reference and not self.now.limited
         if not watched:
             self.dirt = CLEAN
-        elif wanted == reference and not self.now.limited:
+        elif self._at_reference:
             self._watch(ticks)
+
+    def coast(self, ticks: int) -> None:
+        """The same for ticks in which nothing acts on it, and nothing is over."""
+        if self._elapsed:
+            self._elapsed += ticks
+        if self._at_reference and self._detection == CALIBRATING:
+            self._calibrated += ticks
 
     def idle(self, web: Web) -> None:
         """Let time pass with the stage off."""

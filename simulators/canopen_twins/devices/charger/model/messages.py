@@ -200,6 +200,8 @@ class Messages:
         self.catalogue = catalogue
         self.active: list[Message] = []
         self._forced: list[Message] = []
+        self.calm = True
+        """Whether nothing had a cause when it was last judged."""
         self.restart()
 
     @property
@@ -247,19 +249,26 @@ class Messages:
             for cause in CAUSES
             if (message := self.catalogue.keyed(cause.severity, cause.key))
         ]
+        self.calm = True
         self.active.clear()
         for message in self._forced:
             self._latch(message)
 
     def judge(self, now: int, situation: Situation) -> None:
         """Latch what has appeared."""
+        self.calm = True
         for cause, hold, message in self._watches:
-            hold.update(now, cause.condition(situation))
-            if hold.due(now):
-                self._latch(message)
+            present = cause.condition(situation)
+            hold.update(now, present)
+            if present:
+                self.calm = False
+                if hold.due(now):
+                    self._latch(message)
 
     def quiet(self, now: int) -> int:
         """Ticks until something may appear by itself."""
+        if self.calm:
+            return NEVER
         return min((watch.hold.quiet(now) for watch in self._watches), default=NEVER)
 
     def _latch(self, message: Message) -> None:

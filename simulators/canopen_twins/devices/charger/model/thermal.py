@@ -52,9 +52,9 @@ class Temperature:
             self._start, self._end, self._since = self.at(now) - self._heat, end, now
         self._heat = heat
 
-    def quiet(self, now: int) -> int:
-        """Ticks until another whole degree is reached, or a little less."""
-        present, end = self.at(now), self._end + self._heat
+    def quiet(self, present: float) -> int:
+        """Ticks from the temperature at present until another whole degree, or a little less."""
+        end = self._end + self._heat
         whole = floor(present)
         falling = end < present
         boundary = whole if falling else whole + 1
@@ -74,13 +74,17 @@ class Heating:
             for name, (resistance, time_constant) in SENSORS.items()
             if discharging or name != "discharging"
         }
+        self._seen: tuple[int, Mapping[str, float]] | None = None  # what is asked for several times
 
     def at(self, now: int) -> Mapping[str, float]:
         """Every temperature in degC."""
-        return {name: sensor.at(now) for name, sensor in self._sensors.items()}
+        if self._seen is None or self._seen[0] != now:
+            self._seen = now, {name: sensor.at(now) for name, sensor in self._sensors.items()}
+        return self._seen[1]
 
     def inherit(self, temperatures: Mapping[str, float], now: int) -> None:
         """Go on with temperatures (degC) of a former life, as far as losses explain them."""
+        self._seen = None
         for name, sensor in self._sensors.items():
             sensor.begin(now, temperatures[name])
 
@@ -88,12 +92,14 @@ class Heating:
         self, now: int, losses: Mapping[str, float], ambient: float, heat: Mapping[str, float]
     ) -> None:
         """From `now` on there are these losses (W), and so many K on top of what they explain."""
+        self._seen = None
         for name, sensor in self._sensors.items():
             sensor.lead(now, losses[name], ambient, heat.get(name, 0.0))
 
     def quiet(self, now: int) -> int:
         """Ticks until one of them reaches another whole degree."""
-        return min(sensor.quiet(now) for sensor in self._sensors.values())
+        present = self.at(now)
+        return min([sensor.quiet(present[name]) for name, sensor in self._sensors.items()])
 
 
 def losses(supply: float, charging: float, discharging: float) -> Mapping[str, float]:
