@@ -166,6 +166,26 @@ def test_an_action_knows_whether_it_would_be_the_next(clock):
     assert not clock.is_free(400_001)  # nobody lets time pass
 
 
+@pytest.mark.parametrize(
+    ("other", "end", "after"),
+    [
+        (1.0, 2.0, 1.0),  # an action that is due there comes before
+        (0.9, 2.0, 0.8),
+        (0.31, 2.0, 0.4),  # no whole period
+        (0.2, 2.0, 0.4),
+        (5.0, 2.0, 2.0),  # who lets time pass may act at the end
+        (5.0, 0.3, 0.4),
+    ],
+)
+def test_periods_in_which_nothing_happens_can_be_left_out(clock, other, end, after):
+    seen = []
+    clock.at(0.2, lambda: seen.append(clock.after_idling(200_000)))
+    clock.at(other, lambda: None)
+    clock.advance_to(end)
+    assert seen == [round(after * 1_000_000)]
+    assert clock.after_idling(10) == clock.ticks + 10
+
+
 def test_an_action_goes_on_without_a_timer(clock):
     fired = []
 

@@ -24,7 +24,7 @@ class Watch:
     That is once, or `again` and again until it is stopped.
 
     Somebody hands it the events of the bus, or it listens; looks at a node are its own, once a
-    cycle of its device, unless nothing has changed since the last one. What is polled is seen at
+    cycle of its device, but for those at which nothing can have changed. What is polled is seen at
     the first look at which it is there, and then again when it has been away.
     """
 
@@ -112,9 +112,10 @@ class Watch:
 
     def _look(self) -> None:
         clock, part = self._bus.clock, self._parts[0]
-        self._timer = clock.at_tick(clock.ticks + self._cycle, self._look)
         if part.stands and self._node.changed_at < self._looked:
+            self._timer = clock.at_tick(clock.after_idling(self._cycle), self._look)
             return
+        self._timer = clock.at_tick(clock.ticks + self._cycle, self._look)
         self._looked = clock.ticks
         there, told = part.poll(self._node)
         before, self._there = self._there, there
