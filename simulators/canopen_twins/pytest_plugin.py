@@ -268,7 +268,8 @@ def canopen_hunt(request: pytest.FixtureRequest, tmp_path: Path) -> Callable[...
     one; those of before are played first. It gives a report of the hunt.
     """
     from canopen_twins.hunt.report import lines  # noqa: PLC0415
-    from canopen_twins.hunt.search import hunt  # noqa: PLC0415
+    from canopen_twins.hunt.search import hunt, lost  # noqa: PLC0415
+    from canopen_twins.hunt.workers import workers  # noqa: PLC0415
 
     def search(contract: str, master: Callable[..., object] | str = "", **budget: Any) -> Report:
         beside_test = request.path.parent
@@ -276,12 +277,14 @@ def canopen_hunt(request: pytest.FixtureRequest, tmp_path: Path) -> Callable[...
         folder = Path(kept) if kept else beside_test / "finds"
         name = master if isinstance(master, str) else f"{master.__module__}:{master.__qualname__}"
         try:
-            report = hunt(
-                _from_here(beside_test / contract),
-                name,
-                folder=_from_here(folder) if kept or folder.is_dir() else tmp_path,
-                **budget,
-            )
+            with workers(1, lost) as play:
+                report = hunt(
+                    _from_here(beside_test / contract),
+                    name,
+                    folder=_from_here(folder) if kept or folder.is_dir() else tmp_path,
+                    play=play,
+                    **budget,
+                )
         except UserError as mistakes:
             told = str(mistakes)
         else:

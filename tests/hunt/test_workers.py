@@ -2,6 +2,7 @@
 
 import io
 import os
+import re
 import signal
 import time
 from functools import partial
@@ -10,7 +11,8 @@ from pathlib import Path
 import pytest
 
 from canopen_twins.errors import UserError
-from canopen_twins.hunt.workers import AHEAD, DEATHS, Pool, _receive, _send
+from canopen_twins.hunt import workers
+from canopen_twins.hunt.workers import AHEAD, DEATHS, Pool, _receive, _send, watched
 
 
 def double(number):
@@ -36,6 +38,11 @@ def hang(number):
     return number
 
 
+def hang_in_c(number):
+    with watched():
+        re.match("(a*)*b", "a" * 60)  # no line of Python is reached any more
+
+
 def refuse(number):
     raise UserError(f"{number} cannot be")
 
@@ -53,7 +60,7 @@ def taken(asked):
 @pytest.fixture
 def pool():
     """Two processes."""
-    with Pool(2, lost=lambda item: f"{item} was lost", patience=60) as pool:
+    with Pool(2, lost=lambda item, death: f"{item} was lost: {death.words}", patience=60) as pool:
         yield pool
 
 
@@ -77,15 +84,28 @@ def test_a_process_that_dies_loses_its_run_only_which_is_done_again(pool, tmp_pa
 
 def test_an_item_that_ends_every_process_is_told_as_lost(pool):
     assert DEATHS == 3
-    assert list(pool(die, [7])) == ["7 was lost"]
+    assert list(pool(die, [7])) == ["7 was lost: SIGKILL"]
 
 
 STARTED_BY = 5.0  # seconds; a busy machine takes its time to start a process
 
 
 def test_an_item_that_takes_for_ever_is_ended():
-    with Pool(2, lost=lambda item: "lost", patience=STARTED_BY) as pool:
-        assert list(pool(hang, range(3))) == [0, "lost", 2]
+    with Pool(2, lost=lambda item, death: death.words, patience=STARTED_BY) as pool:
+        assert list(pool(hang, range(3))) == [0, "no end in 5 s of real time", 2]
+
+
+def test_one_that_hangs_in_c_is_ended_by_its_worker_which_says_where(monkeypatch):
+    monkeypatch.setattr(workers, "HANG", 0.5)
+    with Pool(1, lost=lambda item, death: death) as pool:
+        (death,) = pool(hang_in_c, [1])
+    line = 2 + hang_in_c.__code__.co_firstlineno
+    assert death == ("no end in 0.5 s of real time", f"test_workers.py:{line}", True)
+
+
+def test_who_takes_an_outcome_may_have_others_done_before_the_next(pool):
+    outcomes = [(one, *pool(double, [one, one])) for one in pool(double, range(6))]
+    assert outcomes == [(2 * n, 4 * n, 4 * n) for n in range(6)]
 
 
 def test_what_a_function_refuses_and_a_bug_come_out_here(pool):

@@ -1,6 +1,7 @@
 """Limits of what runs in simulated time, and where a program was when it went beyond one."""
 
 import os
+import re
 import sys
 import threading
 from collections.abc import Callable
@@ -45,6 +46,19 @@ def place(frame: FrameType | None) -> str:
 def place_of(thread_id: int | None) -> str:
     """The same of a thread, by its identifier."""
     return place(sys._current_frames().get(thread_id or 0))  # noqa: SLF001 - there is no other way
+
+
+def place_of_crash(told: str) -> str:
+    """The same of what `faulthandler` has written, as `file.py:12`; empty if it is nowhere.
+
+    That is of the thread that has crashed, or of the first one that is in the program.
+    """
+    if "Current thread" in told:
+        told = told.partition("Current thread")[2].partition("\n\n")[0]
+    for file, line in re.findall(r'^  File "(.*)", line (\d+) in ', told, re.MULTILINE):
+        if not _is_library(file):
+            return f"{Path(file).name}:{line}"
+    return ""
 
 
 def _is_library(file: str) -> bool:

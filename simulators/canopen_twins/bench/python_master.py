@@ -24,6 +24,7 @@ from typing import Any, NamedTuple, NoReturn
 
 import canopen
 
+from canopen_twins.bench.children import ended_children
 from canopen_twins.bench.limits import (
     HangError,
     OutOfTime,
@@ -96,6 +97,7 @@ class PythonMaster:
         segment: Segment[Node],
         ended: Callable[[Ended], None],
         seed: int = 1,
+        left: Callable[[str], None] = lambda processes: None,
     ) -> Iterator[Callable[[], str]]:
         """Run it while simulated time passes inside; its threads end with the block.
 
@@ -106,11 +108,12 @@ class PythonMaster:
             ended: Called on the clock of the segment when it has ended otherwise than by returning,
                 or one of its threads has.
             seed: Of the chance that it finds in `random` and the like.
+            left: Called with the commands of processes that it has left behind; they have ended.
 
         Raises:
             UserError: as `check` does.
         """
-        with self._imported() as (function, modules):
+        with ended_children(left), self._imported() as (function, modules):
             files = {module.__file__ or "" for module in modules}
             call = _arguments(self.name, function, segment.bit_rate or BIT_RATE)
             with _seeded(seed), _no_exit(), in_simulated_time(segment, modules) as scheduler:
@@ -151,7 +154,8 @@ class PythonMaster:
                 del sys.modules[module]
             sys.modules.update(before)
             if here is not None:
-                os.chdir(here)
+                with suppress(FileNotFoundError):  # the master has deleted it
+                    os.chdir(here)
 
 
 def _here() -> Path | None:

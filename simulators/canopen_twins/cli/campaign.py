@@ -19,8 +19,7 @@ from canopen_twins.hunt.grid import read_grid
 from canopen_twins.hunt.report import as_html, summary
 from canopen_twins.hunt.results import Results
 from canopen_twins.hunt.run import Result
-from canopen_twins.hunt.search import Map, in_turn
-from canopen_twins.hunt.workers import MOST_JOBS, Pool
+from canopen_twins.hunt.workers import MOST_JOBS, Map, workers
 from canopen_twins.scenario.verdict import as_junit
 
 PERIOD = 0.5  # seconds of real time from one line of progress to the next
@@ -80,13 +79,10 @@ def _everybody(
         with Cluster(options.dask, lost) as cluster:
             list(cluster(partial(check, bundle), [None]))
             yield cluster, partial(play, bundle)
-    elif options.jobs == 1:
-        scenario.master.check()
-        yield in_turn, None
     else:
         scenario.master.check()
-        with Pool(options.jobs, lost) as pool:
-            yield pool, None
+        with workers(options.jobs, lost) as everybody:
+            yield everybody, None
 
 
 def _progress(total: int) -> Callable[[int], None]:

@@ -3,8 +3,6 @@
 import argparse
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO
 
@@ -14,9 +12,9 @@ from canopen_twins.cli.results import add_reports
 from canopen_twins.errors import UserError
 from canopen_twins.files.whole import report_file, write_whole
 from canopen_twins.hunt.report import Report, as_html, as_json, as_verdict, lines
-from canopen_twins.hunt.search import SECONDS, Map, in_turn, lost
+from canopen_twins.hunt.search import SECONDS, lost
 from canopen_twins.hunt.search import hunt as search
-from canopen_twins.hunt.workers import MOST_JOBS, Pool
+from canopen_twins.hunt.workers import workers
 from canopen_twins.scenario.verdict import as_junit
 
 PERIOD = 0.5  # seconds of real time from one line of progress to the next
@@ -60,7 +58,7 @@ def hunt(options: argparse.Namespace) -> int:
     line = Progress(sys.stderr)
     code = None
     try:
-        with workers(options.jobs) as play:
+        with workers(options.jobs, lost) as play:
             report = search(
                 options.contract,
                 options.master or "",
@@ -79,18 +77,6 @@ def hunt(options: argparse.Namespace) -> int:
     line.close()
     _tell(report, options)
     return code or (OK if report.ok else FAILED)
-
-
-@contextmanager
-def workers(jobs: int) -> Iterator[Map]:
-    """Where runs are played."""
-    if not 1 <= jobs <= MOST_JOBS:
-        raise UserError(f"--jobs {jobs} is not in 1..{MOST_JOBS}")
-    if jobs == 1:
-        yield in_turn
-    else:
-        with Pool(jobs, lost) as pool:
-            yield pool
 
 
 def _tell(report: Report, options: argparse.Namespace) -> None:

@@ -1,6 +1,7 @@
 """play: scenarios in simulated time, with a line of progress where they would be silent."""
 
 import argparse
+import faulthandler
 import sys
 import time
 from collections.abc import Callable
@@ -23,6 +24,7 @@ from canopen_twins.scenario import Player, Scenario, Verdict
 OF_ONE_RUN = ("trace", "record", "plot")
 PERIOD = 0.5  # seconds of real time from one line of progress to the next
 WIDTH = 60
+STDERR = 2
 
 
 def add_play(parser: Parser) -> None:
@@ -48,6 +50,8 @@ def play(options: argparse.Namespace) -> int:
             raise UserError(f"--{name} keeps one run: name one scenario")
     announcer = Announcer(options)
     plot = Plot(options.plot) if options.plot else None
+    if not faulthandler.is_enabled():
+        faulthandler.enable(STDERR)  # a master may end us: say where
     scenarios = [with_master(load(name), options.master) for name in options.scenarios]
     verdicts = [_play(scenario, options, announcer, plot) for scenario in scenarios]
     announcer.end()

@@ -16,7 +16,7 @@ from canopen_twins.hunt.grid import Grid
 from canopen_twins.hunt.report import Report, as_verdict
 from canopen_twins.hunt.results import Results
 from canopen_twins.hunt.run import Cell, Failure, Result, run
-from canopen_twins.hunt.search import Map, in_turn
+from canopen_twins.hunt.workers import Death, Map, in_turn
 from canopen_twins.scenario.verdict import Kind, Outcome, Verdict
 
 Told = dict[str, Any]
@@ -116,7 +116,7 @@ class Campaign:
         return json.dumps({"version": VERSION, "runs": runs}, indent=1)
 
 
-def lost(plan: Plan) -> Result:
+def lost(plan: Plan, _: Death) -> Result:
     """What came of a run that ends every process, or takes for ever."""
     return Result(plan, (Failure("master: ends its process, or never waits", "", ""),))
 

@@ -19,7 +19,7 @@ from canopen_twins.errors import UserError
 from canopen_twins.files.whole import read_plain
 from canopen_twins.hunt.contract import Contract, Plan
 from canopen_twins.hunt.run import Result, run
-from canopen_twins.hunt.workers import DEATHS, Pool
+from canopen_twins.hunt.workers import DEATHS, Death, Pool
 
 Item = TypeVar("Item")
 Outcome = TypeVar("Outcome")
@@ -76,7 +76,7 @@ class Cluster(AbstractContextManager["Cluster"]):
     worker dies is done again elsewhere, at most twice.
     """
 
-    def __init__(self, address: str, lost: Callable[[Any], Any]) -> None:
+    def __init__(self, address: str, lost: Callable[[Any, Death], Any]) -> None:
         """Raises `UserError` if nobody answers there, or distributed is missing."""
         try:
             distributed = import_module("distributed")  # an extra, and a second
@@ -126,7 +126,7 @@ class Cluster(AbstractContextManager["Cluster"]):
                 return outcome
             except self._died:
                 future = self._submit(function, item)
-        lost: Outcome = self._lost(item)
+        lost: Outcome = self._lost(item, Death("its worker has died"))
         return lost
 
 
@@ -135,13 +135,13 @@ ONE_AT_A_TIME = Lock()
 
 
 @cache
-def _pool(lost: Callable[[Any], Any]) -> Pool:
+def _pool(lost: Callable[[Any, Death], Any]) -> Pool:
     """That of a worker: one process that waits for the next run."""
     return Pool(1, lost)
 
 
 def _in_a_process(
-    function: Callable[[Item], Outcome], lost: Callable[[Item], Outcome], item: Item
+    function: Callable[[Item], Outcome], lost: Callable[[Any, Death], Any], item: Item
 ) -> Outcome:
     with ONE_AT_A_TIME:
         (outcome,) = _pool(lost)(function, [item])

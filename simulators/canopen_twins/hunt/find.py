@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import os
+import pickle
 import secrets
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import count
@@ -17,12 +17,21 @@ from typing import Any
 from canopen_twins.errors import UserError
 from canopen_twins.files.whole import write_whole
 from canopen_twins.hunt.contract import Contract, Disturbance, Plan, what
-from canopen_twins.hunt.run import COMMAND, MASTER, Failure, Result, run
+from canopen_twins.hunt.run import (
+    COMMAND,
+    ENDED,
+    MASTER,
+    Failure,
+    Result,
+    difference,
+    run_to_compare,
+)
 from canopen_twins.scenario import Kind, Outcome, Verdict
 
 SUFFIX = ".twin.yaml"
 PATIENCE = 120.0  # seconds of real time for another process
 OTHER_HASH_SEED = "4711"  # the order of sets of texts is another there
+MARK = b"\nresult: "  # comes after whatever else has been written there
 
 
 @dataclass(frozen=True)
@@ -61,6 +70,8 @@ def note_of(verdict: Verdict, failure: Failure, plan: Plan, whereabouts: str = "
     expected = "" if is_master else f" Expected: {outcome.what}."
     told = f"{_sentence(wrong) or 'Nothing goes wrong'}.{expected}"
     seen = f"At {outcome.time:.6g} s{' the master:' if is_master else ''} {outcome.seen}."
+    if outcome.seen.startswith(ENDED):  # nobody knows when
+        seen = f"The master {outcome.seen}. Whoever plays this file ends with it."
     reasons = [line.strip() for line in outcome.scene.splitlines() if "why: " in line]
     why = f" {_sentence(reasons[-1].partition('why: ')[2])}." if reasons else ""
     at = f" The master waits in {whereabouts}." if whereabouts else ""
@@ -108,10 +119,28 @@ def _delivered(setting: tuple[str, str, Any]) -> str:
     return f"{node} is delivered with {key} {value}"
 
 
-def write_find(contract: Contract, result: Result, failure: Failure, folder: Path) -> Find | None:
-    """Write the file, if it fails in the same way there and in another process; else None.
+Play = Callable[[Contract, Plan], Result]
+"""One run, with its frames."""
+
+
+class NotTheSameError(Exception):
+    """A find that has not come again in the same way; the message tells the first difference."""
+
+
+def write_find(
+    contract: Contract, result: Result, failure: Failure, folder: Path, play: Play
+) -> Find:
+    """Write the file, if it fails in the same way there and in another process.
+
+    Args:
+        contract: What was played.
+        result: Of the run that has failed, with its frames.
+        failure: What is to come again.
+        folder: Where the file is to lie.
+        play: Plays the file.
 
     Raises:
+        NotTheSameError: it fails in another way there, or not at all.
         UserError: it cannot be written.
     """
     assert result.verdict is not None
@@ -122,10 +151,23 @@ def write_find(contract: Contract, result: Result, failure: Failure, folder: Pat
         "note": note_of(result.verdict, failure, result.plan, whereabouts),
     }
     text = contract.text(result.plan, named, folder)
-    try:
+
+    def lie_there() -> None:
+        folder.mkdir(parents=True, exist_ok=True)  # a master may have deleted it
         write_whole(trial, text)
-        if not _fails_the_same(trial, contract, failure, result):
-            return None
+
+    try:
+        lie_there()
+        here = play(replace(contract, file=trial), Plan())
+        if contract.command or result.death:  # in real time no two runs are the same
+            if failure not in here.failures:
+                raise NotTheSameError("it has not failed again")
+        else:
+            _expect_the_same(result, here, "two runs of it differ")
+            lie_there()
+            there = in_another_process(trial, contract.master)
+            _expect_the_same(here, there, "a run in another process differs")
+        lie_there()
         path = trial.replace(_free_name(folder))
     except OSError as error:
         raise UserError(f"a find cannot be written to {folder}: {error.strerror}") from error
@@ -144,18 +186,14 @@ def _free_name(folder: Path) -> Path:
     raise AssertionError  # there is always another number
 
 
-def _fails_the_same(path: Path, contract: Contract, failure: Failure, before: Result) -> bool:
-    here = run(replace(contract, file=path), Plan())
-    if contract.command:  # in real time no two runs are the same
-        return failure in here.failures
-    if failure not in here.failures or here.trace != before.trace:
-        return False
-    there = in_another_process(path, contract.master)
-    return there == {"trace": here.trace, "failures": [*map(repr, here.failures)]}
+def _expect_the_same(one: Result, other: Result, told: str) -> None:
+    """Raises `NotTheSameError` if they are not."""
+    if where := difference(one, other):
+        raise NotTheSameError(f"{told}: {where}")
 
 
-def in_another_process(path: Path, master: str) -> Mapping[str, object]:
-    """What a run of a file is there, where sets have another order; empty if it does not end."""
+def in_another_process(path: Path, master: str) -> Result:
+    """What a run of a file is there, where sets have another order."""
     environment = {
         **os.environ,
         "PYTHONHASHSEED": OTHER_HASH_SEED,
@@ -164,19 +202,19 @@ def in_another_process(path: Path, master: str) -> Mapping[str, object]:
     command = [sys.executable, "-m", __name__, str(path), master]
     try:
         done = subprocess.run(
-            command, capture_output=True, env=environment, timeout=PATIENCE, check=False, text=True
+            command, capture_output=True, env=environment, timeout=PATIENCE, check=False
         )
     except subprocess.TimeoutExpired:
-        return {}
+        return Result(Plan(), error=f"no end in {PATIENCE:g} s of real time")
     if done.returncode:
-        return {}
-    told: Mapping[str, object] = json.loads(done.stdout.splitlines()[-1])
+        return Result(Plan(), error=f"its process has ended with {done.returncode}")
+    told: Result = pickle.loads(done.stdout[done.stdout.index(MARK) + len(MARK) :])
     return told
 
 
 def _main(path: str, master: str) -> None:
-    result = run(Contract(Path(path), master), Plan())
-    print(json.dumps({"trace": result.trace, "failures": [*map(repr, result.failures)]}))
+    result = run_to_compare(Contract(Path(path), master), Plan())
+    sys.stdout.buffer.write(MARK + pickle.dumps(result))
 
 
 if __name__ == "__main__":

@@ -7,11 +7,14 @@ as Hypothesis wants the score of a plan to depend on nothing but the plan.
 from __future__ import annotations
 
 import io
+import pickle
 import time
-from collections.abc import Callable
-from contextlib import redirect_stderr, redirect_stdout, suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from dataclasses import dataclass
-from typing import Any
+from itertools import count
+from pathlib import Path
+from typing import Any, ClassVar
 
 from hypothesis import HealthCheck, Phase, given, seed, settings, target
 from hypothesis import strategies as st
@@ -39,6 +42,9 @@ class Batch:
     """Where something has gone wrong already."""
     until: float | None = None
     """When it has to be over, as `time.time()`."""
+    place: Path | None = None
+    """A folder in which the plan that is played lies, in case it ends the process."""
+    resumes: ClassVar[bool] = True
 
 
 class Enough(BaseException):
@@ -49,13 +55,15 @@ def search(batch: Batch) -> list[Result]:
     """Play a batch; every run of it."""
     space = Space(batch.contract.scenario(Plan()), batch.events)
     played: dict[str, Result] = {}
+    deadly = {plan.key for plan in suspects(batch.place)}
 
     def judge(plan: Plan) -> None:
-        if plan.key in played:
+        if plan.key in played or plan.key in deadly:
             return
         if len(played) >= RUNS or (batch.until is not None and time.time() >= batch.until):
             raise Enough
-        result = played[plan.key] = run(batch.contract, plan)
+        with _noted(batch.place, plan):
+            result = played[plan.key] = run(batch.contract, plan)
         target(float(len(set(result.cells) - batch.seen)), label="cells")
 
     test: Callable[..., Any] = given(plan=plans(space))(judge)
@@ -64,6 +72,26 @@ def search(batch: Batch) -> list[Result]:
     with redirect_stdout(told), redirect_stderr(told), suppress(Enough):
         test()
     return [*played.values()]
+
+
+def suspects(place: Path | None) -> Sequence[Plan]:
+    """The plans of a batch that were not over when its processes ended."""
+    if place is None or not place.is_dir():
+        return []
+    return [pickle.loads(file.read_bytes()) for file in sorted(place.iterdir())]
+
+
+@contextmanager
+def _noted(place: Path | None, plan: Plan) -> Iterator[None]:
+    """It lies there until it is over."""
+    if place is None:
+        yield
+        return
+    place.mkdir(exist_ok=True)
+    file = next(path for path in (place / str(n) for n in count()) if not path.exists())
+    file.write_bytes(pickle.dumps(plan))
+    yield
+    file.unlink()
 
 
 _settings = settings(

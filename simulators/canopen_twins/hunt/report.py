@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from html import escape
+from typing import NamedTuple
 
 from canopen_twins.hunt.contract import Contract, Plan
 from canopen_twins.hunt.find import Find
@@ -15,6 +16,14 @@ from canopen_twins.scenario.verdict import Kind, Outcome, Verdict
 
 VERSION = 1  # of the JSON
 HOUR = 3600.0
+
+
+class ThrownAway(NamedTuple):
+    """A plan that has not failed again in the same way."""
+
+    plan: Plan
+    why: str
+    """With the first frame that was another one."""
 
 
 @dataclass
@@ -27,6 +36,8 @@ class Report:
     runs: int = 0
     void: int = 0
     """Runs that said nothing about the master."""
+    left_behind: int = 0
+    """Runs whose master has left processes behind."""
     simulated: float = 0.0
     """Seconds."""
     passed: Counter[Cell] = field(default_factory=Counter)
@@ -40,14 +51,14 @@ class Report:
     """Finds of before that still fail."""
     mended: list[str] = field(default_factory=list)
     """Files of finds of before that pass now."""
-    thrown_away: list[Plan] = field(default_factory=list)
-    """Plans that have not failed again in the same way."""
+    thrown_away: list[ThrownAway] = field(default_factory=list)
 
     def count(self, result: Result) -> None:
         """Take a run."""
         self.runs += 1
         self.simulated += result.seconds
         self.void += bool(result.error)
+        self.left_behind += result.left_behind
         if not result.error:
             (self.failed if result.failures else self.passed).update(set(result.cells))
 
@@ -78,6 +89,11 @@ def lines(report: Report) -> Iterator[str]:
         yield f"    {wrong}: {_counted(find.plan.size, 'step')} beyond the contract"
     yield from (f"{file}: passes now" for file in report.mended)
     yield summary(report)
+    for plan, why in report.thrown_away:
+        yield f"    thrown away: {', '.join(plan.faults) or 'settings alone'}: {why}"
+    if report.left_behind:
+        runs = _counted(report.left_behind, "run")
+        yield f"    the master has left processes behind in {runs}: they were ended"
     if report.never:
         yield f"    never struck: {', '.join(report.never)}"
     yield from (f"    not tried: {fault}: {why}" for fault, why in report.left_out.items())
@@ -107,8 +123,10 @@ def as_json(report: Report) -> str:
             "weather": report.weather,
             "runs": report.runs,
             "void": report.void,
+            "left_behind": report.left_behind,
             "simulated": round(report.simulated, 6),
             "thrown_away": len(report.thrown_away),
+            "unequal": [{"faults": plan.faults, "why": why} for plan, why in report.thrown_away],
             "finds": [_find(each) for each in report.finds],
             "known": [_find(each) for each in report.known],
             "mended": report.mended,
@@ -175,6 +193,7 @@ def as_html(report: Report) -> str:
         f"<p>{escape(summary(report))}</p>",
         _picture(report),
         *(_section(find) for find in (*report.known, *report.finds)),
+        *(f"<p>Thrown away: {escape(why)}</p>" for _, why in report.thrown_away),
         *(f"<p>Not tried: {escape(f'{name}: {why}')}</p>" for name, why in report.left_out.items()),
     ]
     return (

@@ -6,18 +6,21 @@ import io
 import logging
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import sha256
-from typing import Any
+from itertools import zip_longest
 
 from canopen_twins.bus import sdo
+from canopen_twins.bus.clock import MICROSECONDS
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.identifiers import Cob, Identifier, classify, sdo_answer
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
 from canopen_twins.hunt.contract import Contract, Plan
+from canopen_twins.hunt.workers import Death, watched
 from canopen_twins.scenario import Kind, Outcome, Player, Scenario, Verdict, play
+from canopen_twins.scenario.player import LEFT_BEHIND
 from canopen_twins.scenario.run_log import PlayerEvent
 from canopen_twins.scenario.step_sequence import NEVER_CAME, UNDECIDED
 from canopen_twins.slave.dictionary import address_text
@@ -68,17 +71,29 @@ class Result:
     """With the words; for those that have failed."""
     whereabouts: tuple[str, ...] = ()
     """In which lines the master was at each of the failures."""
+    frames: tuple[str, ...] = ()
+    """All of them, for who wants to compare: microsecond, frame and sender."""
+    left_behind: bool = False
+    """Whether the master has left processes behind."""
+    death: Death | None = None
+    """How it has ended the process that played it, if it has."""
 
 
 VACUOUS = (NEVER_CAME.seen, UNDECIDED.seen)
 """What says nothing of a master that something has kept from getting there."""
 NOT_REACHED = "not reached"
+ENDED = "has ended its process"
 MASTER, COMMAND = "master ", "the command "
 """What a master is called in a verdict: a function, or another process."""
 
 
 def run(contract: Contract, plan: Plan) -> Result:
     """Play a contract with a plan: the same gives the same, in whatever process."""
+    return replace(run_to_compare(contract, plan), frames=())
+
+
+def run_to_compare(contract: Contract, plan: Plan) -> Result:
+    """The same, with its frames."""
     try:
         scenario = contract.scenario(plan)
     except UserError as refusal:
@@ -91,13 +106,48 @@ def run(contract: Contract, plan: Plan) -> Result:
         plan,
         tuple(failed),
         f"{errors[0].what}: {errors[0].seen}" if errors else "",
-        observer.digest.hexdigest(),
+        sha256("".join(observer.frames).encode()).hexdigest(),
         verdict.seconds,
         tuple(observer.cells),
         observer.fired,
         verdict if failed else None,
         tuple(failed.values()),
+        tuple(observer.frames),
+        any(each.seen.startswith(LEFT_BEHIND) for each in verdict.outcomes),
     )
+
+
+def ended(contract: Contract, plan: Plan, death: Death) -> Result:
+    """What came of a run that has ended every process it was given to."""
+    if contract.command:
+        return Result(plan, error=f"the process of the twins has ended: {death.words}")
+    scenario = contract.scenario(plan)
+    assert scenario.master is not None
+    what = f"{MASTER}{scenario.master.name}"
+    seen = f"{ENDED}: {death.words}{f' in {death.place}' if death.place else ''}"
+    outcome = Outcome(Kind.FAIL, 0.0, scenario.master_line, what, seen)
+    verdict = Verdict(str(scenario.file), (outcome,), scenario.name, scenario.seed)
+    failure = Failure(f"{what}: {death.words}", "", "", death.place)
+    return Result(plan, (failure,), verdict=verdict, whereabouts=("",), death=death)
+
+
+def difference(one: Result, other: Result) -> str:
+    """The first frame in which two runs differ, in words; empty if there is none."""
+    if other.error:
+        return other.error
+    for here, there in zip_longest(one.frames, other.frames):
+        if here != there:
+            return f"{_told(here)}; {_told(there)}"
+    if one.failures != other.failures:
+        return "the same frames, and another outcome"
+    return ""
+
+
+def _told(line: str | None) -> str:
+    if line is None:
+        return "nothing more"
+    tick, frame, sender = line.rstrip("\n").split(" ", 2)
+    return f"{frame} of {sender or 'the scenario'} at {int(tick) / MICROSECONDS:.6f} s"
 
 
 def _is_void(outcome: Outcome) -> bool:
@@ -114,7 +164,7 @@ def judged(
     contract: Contract, scenario: Scenario, observer: Callable[[Segment[Node], Player], None]
 ) -> Verdict:
     """The verdict of one run, in simulated time or beside the command of the contract."""
-    with quiet():
+    with quiet(), watched():
         if not contract.command:
             return play(scenario, observers=[observer])
         # few hunts have one
@@ -139,7 +189,7 @@ class Observer:
     """Hears a run: its frames, where faults have struck, and how it was when something failed."""
 
     def __init__(self) -> None:
-        self.digest = sha256()
+        self.frames: list[str] = []
         self.cells: list[Cell] = []
         self.failures: dict[Failure, str] = {}
         """With the lines in which the master was."""
@@ -164,7 +214,7 @@ class Observer:
 
     def _hear(self, frame: Frame, sender: str) -> None:
         tick = self._segment.clock.ticks
-        self.digest.update(f"{tick} {frame} {sender}\n".encode())
+        self.frames.append(f"{tick} {frame} {sender}\n")
         if len(frame.data) == sdo.LENGTH and not frame.extended:
             if sender in self._nodes:
                 self._asked.pop(frame.can_id, None)
@@ -215,8 +265,3 @@ def _access(frame: Frame) -> str | None:
 
 
 ACCESSES = {sdo.Ccs.UPLOAD: "read", sdo.Ccs.DOWNLOAD: "write"}
-
-
-def same(one: Any, other: Any) -> bool:
-    """Whether two runs were the same to the byte."""
-    return bool(one.trace == other.trace and one.failures == other.failures)

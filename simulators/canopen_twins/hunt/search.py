@@ -5,50 +5,35 @@ What is found is shrunk and written at once, and the search goes on for others.
 
 from __future__ import annotations
 
+import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from importlib.util import find_spec
-from itertools import islice
+from itertools import count, islice
 from pathlib import Path
 from random import Random
-from typing import Any, Protocol, TypeVar
+from typing import Any
 
 from canopen_twins.errors import UserError
 from canopen_twins.hunt.contract import Contract, Plan
 from canopen_twins.hunt.events import Events, events_of
-from canopen_twins.hunt.find import SUFFIX, Find, write_find
-from canopen_twins.hunt.report import Report
-from canopen_twins.hunt.run import Failure, Result, run
-from canopen_twins.hunt.shrink import MOST_IN_REAL_TIME, MOST_RUNS, Shrinker
+from canopen_twins.hunt.find import SUFFIX, Find, NotTheSameError, write_find
+from canopen_twins.hunt.report import Report, ThrownAway
+from canopen_twins.hunt.run import Failure, Result, difference, ended, run, run_to_compare
+from canopen_twins.hunt.shrink import MOST_DEATHS, MOST_IN_REAL_TIME, MOST_RUNS, Shrinker
 from canopen_twins.hunt.space import Space
+from canopen_twins.hunt.workers import Death, Map, in_turn
 from canopen_twins.live.hub_process import hub_process
 from canopen_twins.scenario import Scenario, Verdict
-
-Item = TypeVar("Item")
-Outcome = TypeVar("Outcome")
 
 SECONDS = 60.0
 """Of a hunt of which nobody says how long it goes on."""
 SHORTEST = 0.1  # seconds of a contract in which anything can go wrong
 PAIRS = 300
 """Pairs of singles, before everything is mixed."""
-
-
-class Map(Protocol):
-    """Calls a function with one item after the other, here or in other processes, in any order."""
-
-    def __call__(
-        self, function: Callable[[Item], Outcome], items: Iterable[Item]
-    ) -> Iterator[Outcome]:
-        """What comes of it; items are asked for as they are wanted."""
-
-
-def in_turn(function: Callable[[Item], Outcome], items: Iterable[Item]) -> Iterator[Outcome]:
-    """A `Map` in this process."""
-    return map(function, items)
 
 
 class Budget:
@@ -113,11 +98,15 @@ class Hunt:
 
     def _without_faults(self) -> tuple[Events, Space]:
         scenario = self._contract.scenario(Plan())
-        if scenario.master is not None:
-            scenario.master.check()
-        elif not self._contract.command:
+        if scenario.master is None and not self._contract.command:
             raise UserError(f"{scenario.file}: who is tested? Say --master MODULE:FUNCTION")
-        events, verdict = events_of(self._contract, scenario)
+        (first,) = self._play(first_run, [self._contract])
+        if isinstance(first, Death):
+            where = f" in {first.place}" if first.place else ""
+            raise BrokenContract(
+                f"without any fault this master ends its process: {first.words}{where}"
+            )
+        events, verdict = first
         if not verdict.ok:
             raise BrokenContract(broken(verdict))
         if verdict.seconds < SHORTEST:
@@ -130,14 +119,28 @@ class Hunt:
         return events, space
 
     def _expect_the_same(self, scenario: Scenario) -> None:
-        again = run(self._contract, Plan())
-        self.report.count(again)
-        self._traces.add(again.trace)
-        if run(self._contract, Plan()).trace != again.trace:
+        one, other = (self._compared(self._contract, Plan()) for _ in range(2))
+        self.report.count(one)
+        self._traces.add(one.trace)
+        if told := difference(one, other):
             raise BrokenContract(
                 f"{scenario.file}: two runs without any fault are not the same: the master depends"
-                " on something that is not in simulated time"
+                f" on something that is not in simulated time. They differ: {told}"
             )
+
+    def _results(self, contract: Contract, plans: Iterable[Plan]) -> Iterator[Result]:
+        """What comes of plans, in their order."""
+        for result in self._play(partial(run, contract), plans):
+            yield _alive(contract, result)
+
+    def _compared(self, contract: Contract, plan: Plan) -> Result:
+        """One run, with its frames."""
+        (result,) = self._play(partial(run_to_compare, contract), [plan])
+        return _alive(contract, result)
+
+    def _one(self, plan: Plan) -> Result:
+        (result,) = self._results(self._contract, [plan])
+        return result
 
     @property
     def _left(self) -> bool:
@@ -146,7 +149,7 @@ class Hunt:
     def _try_known(self) -> None:
         """The finds of before; what still fails is not looked for again."""
         for path in self._known:
-            result = run(replace(self._contract, file=path), Plan())
+            (result,) = self._results(replace(self._contract, file=path), [Plan()])
             self.report.count(result)
             if result.error:
                 raise UserError(f"{path}: {result.error}")
@@ -165,7 +168,7 @@ class Hunt:
             yield plan
 
     def _try(self, plans: Iterable[Plan]) -> None:
-        for result in self._play(partial(run, self._contract), self._while_left(plans)):
+        for result in self._results(self._contract, self._while_left(plans)):
             self._take(result)
 
     def _take(self, result: Result) -> None:
@@ -182,20 +185,25 @@ class Hunt:
 
     def _pursue(self, result: Result, failure: Failure) -> None:
         """Make a file of it, as simple as it can be."""
-        play = partial(run, self._contract)
-        most = MOST_RUNS if not self._contract.command else MOST_IN_REAL_TIME
-        shrinker = Shrinker(failure, play, self._contract.parts, most)
+        most = MOST_DEATHS if result.death else MOST_RUNS
+        if self._contract.command:
+            most = MOST_IN_REAL_TIME
+        shrinker = Shrinker(failure, self._one, self._contract.parts, most)
         plan = shrinker.shrink(result.plan)
-        result = play(plan)
         self.report.runs += shrinker.runs + 1
-        find = None
-        if failure in result.failures:
-            find = write_find(self._contract, result, failure, self._folder)
-        if find is None:
+        try:
+            self.report.finds.append(self._written(plan, failure))
+        except NotTheSameError as told:
             self._failures.discard(failure)
-            self.report.thrown_away.append(plan)
-        else:
-            self.report.finds.append(find)
+            self.report.thrown_away.append(ThrownAway(plan, str(told)))
+
+    def _written(self, plan: Plan, failure: Failure) -> Find:
+        """Raises `NotTheSameError` if it does not come again."""
+        result = self._compared(self._contract, plan)
+        if failure not in result.failures:
+            told = difference(self._compared(self._contract, plan), result)
+            raise NotTheSameError(f"it has not failed again{told and f'; two runs differ: {told}'}")
+        return write_find(self._contract, result, failure, self._folder, self._compared)
 
     def _pairs(self) -> Iterator[Plan]:
         """Of singles that have changed something and were survived."""
@@ -210,25 +218,47 @@ class Hunt:
 
     def _search_freely(self, events: Events) -> None:
         # it takes half a second: for a hunt that gets this far
-        from canopen_twins.hunt.free import Batch, search  # noqa: PLC0415
+        from canopen_twins.hunt.free import Batch, search, suspects  # noqa: PLC0415
 
-        def batches() -> Iterator[Batch]:
-            while self._left:
-                cells = frozenset((*self.report.passed, *self.report.failed))
-                known = frozenset(self._failures)
-                drawn, until = self._chance.getrandbits(32), self._budget.until
-                yield Batch(self._contract, events, drawn, known, cells, until)
+        with tempfile.TemporaryDirectory() as folder:
 
-        for results in self._play(search, batches()):
-            for result in results:
-                self._take(result)
+            def batches() -> Iterator[Batch]:
+                for number in count():
+                    if not self._left:
+                        return
+                    cells = frozenset((*self.report.passed, *self.report.failed))
+                    known = frozenset(self._failures)
+                    drawn, until = self._chance.getrandbits(32), self._budget.until
+                    place = Path(folder, str(number))
+                    yield Batch(self._contract, events, drawn, known, cells, until, place)
+
+            for number, results in enumerate(self._play(search, batches())):
+                for result in [] if isinstance(results, Death) else results:
+                    self._take(result)
+                for result in self._results(self._contract, suspects(Path(folder, str(number)))):
+                    self._take(result)
 
 
-def lost(item: object) -> Any:
-    """What came of a plan or of a batch that ends every process, or takes for ever."""
-    if isinstance(item, Plan):
-        return Result(item, error="its process has ended with it, or it took for ever")
-    return []
+def first_run(contract: Contract) -> tuple[Events, Verdict]:
+    """Without any fault: what happens in it, and its verdict.
+
+    Raises:
+        UserError: its master cannot be run.
+    """
+    scenario = contract.scenario(Plan())
+    if scenario.master is not None:
+        scenario.master.check()
+    return events_of(contract, scenario)
+
+
+def lost(item: object, death: Death) -> Any:
+    """What came of a plan or of anything else that ends every process, or takes for ever."""
+    return Result(item, death=death) if isinstance(item, Plan) else death
+
+
+def _alive(contract: Contract, result: Result) -> Result:
+    """With what its end is to a hunt."""
+    return result if result.death is None else ended(contract, result.plan, result.death)
 
 
 def broken(verdict: Verdict) -> str:

@@ -57,7 +57,9 @@ def _running(
 ) -> AbstractContextManager[Callable[[], str]]:
     if scenario.master is None:
         return nullcontext(lambda: "")
-    return scenario.master.running(segment, player.tell_of_master, scenario.seed)
+    return scenario.master.running(
+        segment, player.tell_of_master, scenario.seed, player.tell_of_processes
+    )
 
 
 def begin(

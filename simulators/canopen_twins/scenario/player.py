@@ -34,6 +34,7 @@ from canopen_twins.slave.service import State
 
 WITHOUT_MASTER = Finding(Kind.SKIP, "left out: the master has ended before")
 REAL = Finding(Kind.SKIP, "left out: this bus is not simulated, and has a bit rate of its own")
+LEFT_BEHIND = "has left processes behind, which were ended"
 NAME = "scenario"
 LONGEST = 86_400  # seconds of a run
 
@@ -180,6 +181,13 @@ class Player:
         step = Step(At(0), "", RunMaster(scenario.master.name), "", scenario.master_line)
         self._log.decide(step, Finding(kind, ended.words))
         self._steps.never_came = WITHOUT_MASTER
+
+    def tell_of_processes(self, told: str) -> None:
+        """The master of the file has left processes behind, which have been ended."""
+        scenario = self.scenario
+        assert scenario.master is not None
+        step = Step(At(0), "", RunMaster(scenario.master.name), "", scenario.master_line)
+        self._log.decide(step, Finding(Kind.SKIP, f"{LEFT_BEHIND}: {told}"))
 
     def _hear(self, frame: Frame, sender: str) -> None:
         self._log.hear(frame, sender)

@@ -212,7 +212,7 @@ class Scheduler:
                 self._resume(task)
             except SimulatedTimeError as error:  # one that is stuck keeps no other from ending
                 self.failure = self.failure or error
-            if task.done:
+            if task.done and task.thread.ident is not None:  # a limit may come before its start
                 threading.Thread.join(task.thread, self._patience)  # in real time
 
     def _pass_time(self, ready: Ready, timeout: float | None) -> None:
