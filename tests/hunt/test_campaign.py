@@ -145,7 +145,7 @@ def a_cluster(folder):
 
         address = ("--host", "127.0.0.1")
         start("scheduler", *address, "--port", "0", "--no-dashboard", "--scheduler-file", str(file))
-        until(file.exists)
+        until(lambda: file.exists() and file.read_text().endswith("}"))  # not in the middle of it
         address = json.loads(file.read_text())["address"]
         once = ("--nthreads", "1", "--no-nanny", "--no-dashboard", "--host", "127.0.0.1")
         yield address, [start("worker", address, *once) for _ in range(2)]

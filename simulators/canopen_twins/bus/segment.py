@@ -25,16 +25,22 @@ class Arbitration:
         self._order = count()
         self._busy = False
 
-    def take(self, outbox: Outbox) -> None:
-        """Let everything compete that has been sent by now."""
+    def take(self, outbox: Outbox, first: str | None = None) -> None:
+        """Let everything compete that has been sent by now; a free bus is given to the `first`."""
         while outbox:
             sender, frame = outbox.popleft()
+            if sender.name == first and not self._busy:
+                self._send(sender, frame)
+                continue
             heappush(self._waiting, (priority(frame), next(self._order), sender, frame))
         if self._waiting and not self._busy:
             self._begin()
 
     def _begin(self) -> None:
         _, _, sender, frame = heappop(self._waiting)
+        self._send(sender, frame)
+
+    def _send(self, sender: Wire, frame: Frame) -> None:
         self._busy = True
         self._clock.after(length(frame) / self.bit_rate, lambda: self._end(sender, frame))
 
@@ -94,12 +100,16 @@ class Segment(Generic[AnyEnd]):
         self.clock = Clock()
         self.bit_rate: int | None = None
         """In bit/s; who has another one neither hears nor is heard. None: nobody looks."""
+        self.first: str | None = None
+        """Who is on the bus first where several send at one microsecond, by its name; then the
+        lowest identifier wins, as from the beginning if it is empty. None: as they were sent."""
         self.nodes: list[AnyEnd] = []
         self.listeners: list[Listener] = []
         self.masters: list[Listener] = []
         self.order_listeners: list[OrderListener] = []
         self.outbox: Outbox = deque()
         self._foreign = Wire(self.clock, self.outbox)
+        self._used = -1  # the microsecond of the last frame
         self._touched: list[Callable[[], None]] = []
         self._bus: Arbitration | None = None
 
@@ -142,9 +152,11 @@ class Segment(Generic[AnyEnd]):
 
         Listeners hear the frame that brings a bug to light, too.
         """
+        if self.first is not None and self.clock.next_tick <= self.clock.ticks:
+            return  # somebody may still send at this microsecond
         arrived = self.outbox if self._bus is None else self._bus.arrived
         while arrived:
-            sender, frame = arrived.popleft()
+            sender, frame = arrived.popleft() if self.first is None else self._winner(arrived)
             nodes = self.nodes
             if self.bit_rate is not None:
                 if not self._fits(sender, frame):
@@ -166,7 +178,22 @@ class Segment(Generic[AnyEnd]):
         if self._bus is not None:
             sent = [each for each in self.outbox if self._fits(*each)]
             self.outbox.clear()
-            self._bus.take(deque(sent))
+            self._bus.take(deque(sent), self.first)
+
+    def _winner(self, arrived: Outbox) -> tuple[Wire, Frame]:
+        """Of what waits: the oldest of each sender competes, as controllers keep their order."""
+        if self._bus is not None:  # they have competed already
+            return arrived.popleft()
+        heads: dict[int, int] = {}
+        for place, (sender, _) in enumerate(arrived):
+            heads.setdefault(id(sender), place)
+        is_free, self._used = self._used != self.clock.ticks, self.clock.ticks
+        early = [place for place in heads.values() if arrived[place][0].name == self.first]
+        competing = early if is_free and early else heads.values()
+        place = min(competing, key=lambda place: priority(arrived[place][1]))
+        won = arrived[place]
+        del arrived[place]
+        return won
 
     def _hearing(self, sender: Wire, frame: Frame) -> list[AnyEnd]:
         others = [node for node in self.nodes if node.wire is not sender]

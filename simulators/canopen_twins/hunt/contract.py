@@ -49,17 +49,24 @@ class Plan:
     order: tuple[str, ...] = ()
     """The nodes as they stand in the file: who comes first at one microsecond; none: as there."""
 
+    arbitration: str = ""
+    """Who is on the bus first at one microsecond, as a file has it; empty: as the contract says."""
+
     @property
     def key(self) -> str:
         """What makes it this one."""
         wrong = sorted(repr(each) for each in self.disturbances)
         settings = sorted(map(repr, self.settings))
-        return repr((wrong, settings, self.heals, self.left_out, self.seed, self.order))
+        return repr(
+            (wrong, settings, self.heals, self.left_out, self.seed, self.order, self.arbitration)
+        )
 
     @property
     def size(self) -> int:
         """How many things are beyond the contract."""
-        return len(self.disturbances) + len(self.settings) + bool(self.order)
+        return (
+            len(self.disturbances) + len(self.settings) + bool(self.order) + bool(self.arbitration)
+        )
 
     @property
     def faults(self) -> tuple[str, ...]:
@@ -110,6 +117,8 @@ class Contract:
         if plan.order:
             nodes = {key.value: node for key, node in pairs["nodes"].value}
             pairs["nodes"] = node_of({name: nodes[name] for name in plan.order})
+        if plan.arbitration:
+            pairs["arbitration"] = node_of(plan.arbitration)
         if plan.disturbances:
             before = pairs.get("disturbances", yaml.SequenceNode("", []))
             added = [node_of(each) for each in plan.disturbances]

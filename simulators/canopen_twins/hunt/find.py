@@ -64,6 +64,9 @@ def note_of(verdict: Verdict, failure: Failure, plan: Plan, whereabouts: str = "
     """What happened, who waited for what, and why, as far as somebody knows."""
     outcome = _failed(verdict, failure)
     order = [f"the nodes stand in the order {', '.join(plan.order)}"] if plan.order else []
+    if plan.arbitration:
+        who = "the lowest identifier" if plan.arbitration == "identifier" else plan.arbitration
+        order.append(f"of the frames of one microsecond {who} is first")
     different = [*map(_words, plan.disturbances), *map(_delivered, plan.settings), *order]
     wrong = "; ".join(different)
     is_master = outcome.what.startswith((MASTER, COMMAND))

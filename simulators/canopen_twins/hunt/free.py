@@ -111,7 +111,8 @@ def plans(space: Space) -> st.SearchStrategy[Plan]:
     deliveries = st.none() | st.sampled_from(space.deliveries) if space.deliveries else st.none()
     heals = st.just(True) if space.limits.heals else st.booleans().map(lambda leave: not leave)
     orders = st.just(()) | st.sampled_from(space.orders) if space.orders else st.just(())
-    return st.builds(_plan, st.tuples(*slots), deliveries, heals, orders)
+    arbitrations = st.just("") | st.sampled_from(space.arbitrations)
+    return st.builds(_plan, st.tuples(*slots), deliveries, heals, orders, arbitrations)
 
 
 def _plan(
@@ -119,9 +120,12 @@ def _plan(
     delivery: tuple[str, str, Any] | None,
     heals: bool,
     order: tuple[str, ...],
+    arbitration: str,
 ) -> Plan:
     wrong = tuple(each for each in slots if each is not None)
-    return Plan(wrong, () if delivery is None else (delivery,), heals, order=order)
+    return Plan(
+        wrong, () if delivery is None else (delivery,), heals, order=order, arbitration=arbitration
+    )
 
 
 def _slot(space: Space) -> st.SearchStrategy[Any]:

@@ -12,7 +12,7 @@ from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from importlib.util import find_spec
-from itertools import count, islice
+from itertools import islice
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -25,6 +25,7 @@ from canopen_twins.hunt.report import Report, ThrownAway
 from canopen_twins.hunt.run import Failure, Result, difference, ended, run, run_to_compare
 from canopen_twins.hunt.shrink import MOST_DEATHS, MOST_IN_REAL_TIME, MOST_RUNS, Shrinker
 from canopen_twins.hunt.space import Space
+from canopen_twins.hunt.sweep import Sweep
 from canopen_twins.hunt.workers import Death, Map, in_turn
 from canopen_twins.live.hub_process import hub_process
 from canopen_twins.scenario import Scenario, Verdict
@@ -32,8 +33,11 @@ from canopen_twins.scenario import Scenario, Verdict
 SECONDS = 60.0
 """Of a hunt of which nobody says how long it goes on."""
 SHORTEST = 0.1  # seconds of a contract in which anything can go wrong
+FIRST = 1000
+"""Single faults, before pairs of them; the others come in turn with everything mixed."""
 PAIRS = 300
-"""Pairs of singles, before everything is mixed."""
+BATCHES, SINGLES = 4, 160
+"""Of the mixed, and of singles, in turn."""
 
 
 class Budget:
@@ -80,6 +84,7 @@ class Hunt:
         self._failures: set[Failure] = set()
         self._interesting: list[Plan] = []
         self._traces: set[str] = set()
+        self._sweep = Sweep([])
 
     def hunt(self) -> Report:
         """Search until the budget is spent.
@@ -89,11 +94,14 @@ class Hunt:
         """
         events, space = self._without_faults()
         self._try_known()
-        self._try(space.singles())
+        self._try(space.at_delivery())
+        self._sweep = Sweep(space.singles())
+        self._try(islice(self._sweep, FIRST))
         if space.limits.most > 1:
             self._try(islice(self._pairs(), PAIRS))
-        if self._left:
+        while self._left:
             self._search_freely(events)
+            self._try(islice(self._sweep, SINGLES))
         return self.report
 
     def _without_faults(self) -> tuple[Events, Space]:
@@ -173,6 +181,7 @@ class Hunt:
 
     def _take(self, result: Result) -> None:
         self.report.count(result)
+        self._sweep.learn(result)
         if not result.error and result.trace not in self._traces:
             self._traces.add(result.trace)
             if not result.failures:
@@ -223,7 +232,7 @@ class Hunt:
         with tempfile.TemporaryDirectory() as folder:
 
             def batches() -> Iterator[Batch]:
-                for number in count():
+                for number in range(BATCHES):
                     if not self._left:
                         return
                     cells = frozenset((*self.report.passed, *self.report.failed))

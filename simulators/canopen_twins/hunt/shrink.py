@@ -67,6 +67,8 @@ def _simpler(plan: Plan) -> Iterator[Plan]:
         yield replace(plan, settings=_without(plan.settings, n))
     if plan.order:
         yield replace(plan, order=())
+    if plan.arbitration:
+        yield replace(plan, arbitration="")
     if not plan.heals:
         yield replace(plan, heals=True)
     for n, each in enumerate(plan.disturbances):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
-from itertools import islice, permutations, product, zip_longest
+from itertools import islice, permutations, product
 from math import isfinite
 from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
 
@@ -23,6 +23,7 @@ from canopen_twins.files.writer import Verbatim
 from canopen_twins.hunt.contract import Disturbance, Plan
 from canopen_twins.hunt.events import Events
 from canopen_twins.scenario import Scenario
+from canopen_twins.scenario.compile import ARBITRATION
 
 
 class Limits(NamedTuple):
@@ -111,6 +112,9 @@ class Space:
         self.orders = [*islice(permutations(self._nodes), 1, 1 + MOST_ORDERS)]
         self.orders.reverse()  # the last ones differ most
         """Other orders of the nodes: who comes first where frames are of one microsecond."""
+        names = (*ARBITRATION, *self._nodes)
+        self.arbitrations = [name for name in names if name != scenario.arbitration]
+        """Who else may be on the bus first where several send at one microsecond."""
         self.deliveries = [each for name in self._nodes for each in self._deliveries(name)]
 
     @property
@@ -118,15 +122,18 @@ class Space:
         """By name, those that are tried."""
         return list(dict.fromkeys(option.fault for option in self.options))
 
-    def singles(self) -> Iterator[Plan]:
-        """Every one of them by itself, round by round: what is simple, and early, comes first."""
+    def at_delivery(self) -> Iterator[Plan]:
+        """What is different from the beginning on, one by one."""
         yield from (Plan(order=order) for order in self.orders[:1])
         yield from (Plan(settings=(each,)) for each in self.deliveries)
-        sources = [self._of(option) for option in self.options]
-        sources += [self._set(*change) for change in self.changes]
-        sources += [source for option in self.options for source in self._aimed(option)]
-        for together in zip_longest(*sources):
-            yield from (Plan((each,)) for each in together if each is not None)
+
+    def singles(self) -> list[Iterator[Plan]]:
+        """Every fault by itself; what is much alike is together, the simple and early first."""
+        found = [self._of(option) for option in self.options]
+        found += [self._set(*change) for change in self.changes]
+        found += [source for option in self.options for source in self._aimed(option)]
+        plans = [(Plan((each,)) for each in source) for source in found]
+        return [*plans, iter([Plan(arbitration=name) for name in self.arbitrations])]
 
     def _of(self, option: Option) -> Iterator[Disturbance]:
         moments = spread(self.moments[option.node])

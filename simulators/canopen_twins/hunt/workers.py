@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import faulthandler
+import gc
 import logging
 import os
 import pickle
@@ -16,6 +17,7 @@ import traceback
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from itertools import count
 from selectors import EVENT_READ, DefaultSelector
 from typing import IO, Any, Generic, NamedTuple, Protocol, TypeVar
 
@@ -285,7 +287,12 @@ def _read(pipe: IO[bytes], size: int) -> bytes:
 def work(here: IO[bytes], there: IO[bytes]) -> None:
     """Do what comes until the pipe ends; what masters print and log is for nobody."""
     logging.disable(logging.CRITICAL)
-    while True:
+    for number in count():
+        if (
+            number == 1
+        ):  # what the first has imported stays: nobody need look through it for garbage
+            gc.collect()
+            gc.freeze()
         try:
             function, item = _receive(here)
         except EOFError:

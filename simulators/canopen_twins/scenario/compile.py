@@ -6,6 +6,7 @@ from math import inf
 from pathlib import Path
 
 from canopen_twins.bench.python_master import PythonMaster
+from canopen_twins.bench.simulated_time.bus import NAME
 from canopen_twins.device.faults import OTHER_WORDS
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
@@ -60,6 +61,7 @@ from canopen_twins.scenario.values import Anything, Range, Text, Wanted, encode
 Values = Mapping[Item, Item | schema.Wanted]
 
 DEFAULT_SEED = 1
+ARBITRATION = {"identifier": "", "master": NAME.format(1)}
 DECIMAL_CODE = re.compile(r"[1-9][0-9]{3}")
 """An error code as manuals print it, but without 0x."""
 ALL_FAULTS = "all"
@@ -109,9 +111,21 @@ def _scenario(file: schema.ScenarioFile, path: Path, find: Find) -> Scenario:
         stalls=file.stalls,
         bit_rate=file.bit_rate,
         bit_rate_line=0 if file.bit_rate is None else file.item_of("bit_rate").line,
+        arbitration=_arbitration(file, participants),
+        arbitration_line=0 if file.arbitration is None else file.arbitration.line,
         master=_master(file, path),
         master_line=1 if file.master is None else file.item_of("master").line,
     )
+
+
+def _arbitration(file: schema.ScenarioFile, participants: Participants) -> str | None:
+    if file.arbitration is None:
+        return None
+    item = file.arbitration
+    known = {**{name: name for name in participants.specs}, **ARBITRATION}
+    with item.problems.at(item):
+        return known[item.one_of("way of arbitration", known)]
+    return None
 
 
 def _master(file: schema.ScenarioFile, path: Path) -> PythonMaster | None:

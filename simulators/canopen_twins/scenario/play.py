@@ -42,6 +42,7 @@ def play(
     segment: Segment[Node] = Segment()
     if scenario.bit_rate is not None:
         segment.limit(scenario.bit_rate)
+    segment.first = scenario.arbitration
     nodes = {name: connect(segment, spec.create(), name) for name, spec in scenario.nodes.items()}
     player = Player(scenario, segment, nodes)
     begin(segment, player, observers if trace is None else [print_frames(trace), *observers])
@@ -114,6 +115,7 @@ class ScenarioBench(Bench):
         scenario = self._scenario
         if scenario.bit_rate is not None:
             self.segment.limit(scenario.bit_rate)
+        self.segment.first = scenario.arbitration
         nodes = {name: twin.node for name, twin in self.twins.items()}
         self._player = Player(scenario, self.segment, nodes)
         begin(self.segment, self._player, ())

@@ -35,6 +35,7 @@ from canopen_twins.slave.service import State
 WITHOUT_MASTER = Finding(Kind.SKIP, "left out: the master has ended before")
 REAL = Finding(Kind.SKIP, "left out: this bus is not simulated, and has a bit rate of its own")
 LEFT_BEHIND = "has left processes behind, which were ended"
+DECIDES_ITSELF = Finding(Kind.SKIP, "left out: this bus is not simulated, and decides itself")
 NAME = "scenario"
 LONGEST = 86_400  # seconds of a run
 
@@ -97,7 +98,7 @@ class Player:
                 self._bus.follow_writes(name)
         limit = self._clock.ticks + microseconds(LONGEST) + GRAIN
         self._limit = self._clock.at_tick(limit, self.stop)
-        self._leave_out_bit_rate()
+        self._leave_out_what_is_simulated()
         self._disturbances.start()
         for rule in self._always:
             rule.start()
@@ -197,12 +198,15 @@ class Player:
     def _tell_state(self, name: str, state: State) -> None:
         self._log.tell(name, "state", state=str(state))
 
-    def _leave_out_bit_rate(self) -> None:
+    def _leave_out_what_is_simulated(self) -> None:
         """What only a simulated bus can do is no part of a verdict on another one."""
         scenario = self.scenario
         if scenario.bit_rate is not None and not self._segment.limited:
             step = Step(At(0), "", Limit(scenario.bit_rate), "", scenario.bit_rate_line)
             self._log.decide(step, REAL)
+        if scenario.arbitration is not None and self._segment.first is None:
+            step = Step(At(0), "", Surroundings("arbitration"), "", scenario.arbitration_line)
+            self._log.decide(step, DECIDES_ITSELF)
 
     def _end(self) -> None:
         """The cleanup comes when both are over; nobody is back from steps that say nothing."""

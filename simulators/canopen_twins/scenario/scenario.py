@@ -131,6 +131,10 @@ class Scenario:
     """In bit/s, for the simulated bus; None: frames take no time."""
     bit_rate_line: int = 0
     """Of the file, where it stands."""
+    arbitration: str | None = None
+    """The name of who is first at one microsecond; empty: the lowest identifier. None: as sent."""
+    arbitration_line: int = 0
+    """Of the file, where it stands."""
     space: Space = Space()
     """What a hunt lets go wrong."""
     master: PythonMaster | None = None

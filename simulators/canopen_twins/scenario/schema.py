@@ -433,6 +433,9 @@ class ScenarioFile(FileOfNodes):
     """What becomes of periodic messages after a stall, in real time: sent once, or all of them."""
     bit_rate: Annotated[int, whole(*BIT_RATES)] | None = None
     """Bit/s of the simulated bus; frames take no time if it is left out."""
+    arbitration: Name | None = None
+    """Who is on the bus first where several send at one microsecond: a node, `master`, or the
+    lowest `identifier`; as they were sent if it is left out."""
     master: Text | None = None
     """The master that is tested, MODULE:FUNCTION in Python: `play` runs it in simulated time."""
     node: Node | None = None

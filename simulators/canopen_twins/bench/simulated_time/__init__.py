@@ -12,7 +12,6 @@ from canopen_twins.bench.simulated_time.substitution import (
     StandIns,
     Substitution,
     modules_named,
-    modules_of_canopen,
 )
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
@@ -81,7 +80,8 @@ def in_simulated_time(
         buses = Buses(scheduler)
         substitution = Substitution(StandIns(scheduler, buses.open))
         undo.callback(substitution.undo)
-        substitution.apply([*modules_of_canopen(), *modules])
+        substitution.apply_to_canopen()
+        substitution.apply(modules)
         substitution.refuse_sleep(scheduler, watched)
         undo.callback(buses.close)
         undo.callback(scheduler.end)

@@ -15,6 +15,7 @@ from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.python_can import frame_of, message_of
 
 BIT_RATE = 500_000
+NAME = "master {}"  # of the buses that a master opens, one after the other
 OVERHEAD, EXTENSION = 47, 20  # bits around the data, with a pause of three; 29-bit identifiers
 
 
@@ -100,7 +101,7 @@ class Buses:
 
     def open(self, channel: Any = None, *_: object, **config: Any) -> SimulatedBus:
         """See `can.Bus`."""
-        name = f"master {len(self._opened) + 1}"
+        name = NAME.format(len(self._opened) + 1)
         self._opened.append(SimulatedBus(self._scheduler, name, {"channel": channel, **config}))
         return self._opened[-1]
 

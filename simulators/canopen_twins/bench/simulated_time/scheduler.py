@@ -8,6 +8,7 @@ happens, and in which order, depends on the clock alone.
 import asyncio
 import threading
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import partial
 
 from canopen_twins.bench.limits import (
@@ -35,12 +36,27 @@ class Stopped(BaseException):
     """Ends a thread of the master with simulated time; no `except Exception` holds it up."""
 
 
+class Turn:
+    """Whoever waits for it goes on when it is given: a semaphore, for less."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._lock.acquire()
+        self.wait = self._lock.acquire
+        """As that of a lock, with its `timeout` in seconds of real time."""
+
+    def give(self) -> None:
+        """One that is given already stays so: that is after a limit has come in between."""
+        with suppress(RuntimeError):
+            self._lock.release()
+
+
 class Task:
-    """A thread of the master: what it waits for, and the semaphore that resumes it."""
+    """A thread of the master: what it waits for, and the turn that resumes it."""
 
     def __init__(self, thread: threading.Thread) -> None:
         self.thread = thread
-        self.turn = threading.Semaphore(0)
+        self.turn = Turn()
         self.ready: Ready = lambda: True
         self.done = False
         self._stops = 0
@@ -93,7 +109,7 @@ class Scheduler:
         self._owner = threading.get_ident()
         self._tasks: list[Task] = []  # in the order of their start, which is that of their turns
         self._running: Task | None = None
-        self._returned = threading.Semaphore(0)
+        self._returned = Turn()
         self._resumption_is_due = False
         self._ending = False
 
@@ -195,14 +211,14 @@ class Scheduler:
 
     def run_task(self, task: Task, target: Callable[[], None]) -> None:
         """What a thread of the master does from its start to its end."""
-        task.turn.acquire()
+        task.turn.wait()
         error = None if self._ending else task.run(target)
         if error is not None and error is not self.failure:
             task.report(error)  # before the next one runs, so that reports have an order
         task.done = True
         if self._running is task:
             self.changed()
-            self._returned.release()
+            self._returned.give()
 
     def end(self) -> None:
         """End every thread that still waits."""
@@ -236,8 +252,8 @@ class Scheduler:
     def _park(self, task: Task, ready: Ready, timeout: float | None) -> None:
         task.ready = ready
         timer = None if timeout is None else self.clock.after(timeout, partial(self._resume, task))
-        self._returned.release()
-        task.turn.acquire()
+        self._returned.give()
+        task.turn.wait()
         if timer is not None:
             timer.cancel()
         if self._ending:
@@ -257,8 +273,8 @@ class Scheduler:
         if self.current() is not None:
             raise self.refusal("a thread of the master may not move the clock of the bench")
         self._running = task
-        task.turn.release()
-        back = self._returned.acquire(timeout=self._patience)
+        task.turn.give()
+        back = self._returned.wait(timeout=self._patience)
         self._running = None
         if not back:
             told = f"{task} has not come back for {self._patience} s of real time"
@@ -272,8 +288,8 @@ class Scheduler:
         self.failure = self.failure or SimulatedTimeError(
             f"{task} cannot be ended: an `except:` in it holds everything up"
         )
-        self._returned.release()
-        task.turn.acquire()
+        self._returned.give()
+        task.turn.wait()
 
 
 def _in_event_loop() -> bool:

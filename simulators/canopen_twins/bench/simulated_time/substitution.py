@@ -11,6 +11,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
+from operator import is_
 from threading import get_ident
 from types import BuiltinFunctionType, FunctionType, ModuleType
 from typing import Any, NoReturn, TypeGuard, TypeVar
@@ -175,6 +176,10 @@ def _refused(value: Any, advice: str, scheduler: Scheduler) -> Callable[..., NoR
     return refuse
 
 
+_surveyed: dict[ModuleType, tuple[list[object], list[str]]] = {}
+"""The values of modules when they were looked through, and the names of those that wait."""
+
+
 class Substitution:
     """Modules that wait in simulated time until `undo`."""
 
@@ -187,11 +192,33 @@ class Substitution:
         """Put stand-ins in the place of whatever waits in real time."""
         for module in modules:
             for name, value in list(vars(module).items()):
-                if is_a(value, type) and value.__module__ == module.__name__:
-                    self._rebase(value)
-                    self._replace_made(value)
-                elif not name.startswith("__"):
-                    self._replace(module, name, value)
+                self._apply_to(module, name, value)
+
+    def apply_to_canopen(self) -> None:
+        """The same to canopen and python-can, in which one look finds the few names that matter."""
+        for module in modules_of_canopen():
+            values = list(vars(module).values())
+            before, names = _surveyed.get(module, ([], []))
+            if len(before) != len(values) or not all(map(is_, before, values)):
+                names = [
+                    name
+                    for name, value in list(vars(module).items())
+                    if self._apply_to(module, name, value)
+                ]
+                _surveyed[module] = values, names
+            else:
+                for name in names:
+                    self._apply_to(module, name, vars(module)[name])
+
+    def _apply_to(self, module: ModuleType, name: str, value: object) -> bool:
+        """Whether there was anything to replace."""
+        before = len(self._globals) + len(self._bases)
+        if is_a(value, type) and value.__module__ == module.__name__:
+            self._rebase(value)
+            self._replace_made(value)
+        elif not name.startswith("__"):
+            self._replace(module, name, value)
+        return len(self._globals) + len(self._bases) > before
 
     def refuse_sleep(self, scheduler: Scheduler, watched: Iterable[ModuleType]) -> None:
         """Let the real `time.sleep` refuse to stop simulated time, as it is or in these modules."""
