@@ -26,6 +26,7 @@ CRASHES = CAREFUL.replace("        pass\n", "        __import__('ctypes').string
 """A lost answer ends its process by SIGSEGV."""
 
 
+@pytest.mark.timeout(300)
 def test_a_plan_that_ends_the_process_of_its_master_is_a_find(hunted, tmp_path):
     (tmp_path / "finds").mkdir()
     code, said = hunted(CRASHES, "--runs", "4", "--finds", "finds")
@@ -62,6 +63,7 @@ def contract(tmp_path, master):
     return Contract(tmp_path / "contract.yaml", "my_master:main")
 
 
+@pytest.mark.timeout(300)
 def test_a_drawn_plan_that_ends_its_process_is_told_apart_from_its_batch(tmp_path):
     tested = contract(tmp_path, CRASHES)
     events, _ = first_run(tested)
