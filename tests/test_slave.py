@@ -246,6 +246,14 @@ def test_the_memory_of_the_application_can_be_taken_over_and_no_more():
     assert read(slave, WORD) == b"\1\0"
 
 
+def test_there_is_one_slave_on_a_wire():
+    clock = Clock()
+    wire = Wire(clock)
+    for node_id in (5, 6):
+        Slave(dictionary(Probe.eds, node_id), node_id, wire, Scope(clock))
+    assert list(wire) == [6]
+
+
 RELATIVE = """
 [DeviceInfo]
 [DeviceComissioning]

@@ -7,10 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from canopen import LocalNode, ObjectDictionary, SdoAbortedError
-from canopen.node.base import BaseNode
-from canopen.sdo.server import SdoServer
 
-from canopen_twins.bus import identifiers
 from canopen_twins.bus.clock import MICROSECONDS, Scope
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.wire import Wire
@@ -37,11 +34,7 @@ class Slave(LocalNode):
         clock: Scope,
         profile: Profile | None = None,
     ) -> None:
-        # Not by LocalNode: its PDOs, NMT and EMCY are replaced, and take a sixth of a boot
-        BaseNode.__init__(self, node_id, od)
-        self.data_store: dict[int, dict[int, bytes]] = {}
-        server = identifiers.sdo_request(node_id), identifiers.sdo_answer(node_id)
-        self.sdo = SdoServer(*server, self)
+        super().__init__(node_id, od)
         self.node_id = node_id
         self.wire = wire
         self.clock = clock  # a reset makes a fresh slave: the timers of this one end with it
@@ -67,6 +60,9 @@ class Slave(LocalNode):
                 self.dummies[index] = len(item)
             else:
                 self._add(index, item)
+        for other in list(wire):
+            del wire[other]
+        wire[node_id] = self
 
     def _add(self, index: int, item: Any) -> None:
         cell = self.data_store.setdefault(index, {})
