@@ -12,7 +12,7 @@ from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.python_can import frame_of, message_of
 
 BLOCK = Path(__file__).parents[2] / "docs/examples/io-block/io_block.eds"
-QUIET = 0.03  # seconds from a request to the next
+QUIET = 0.2  # seconds from a request to the next; a busy machine answers late
 MORE = {
     0x1008: ("Manufacturer device name", 0x9, "const", "DefaultValue=An I/O block"),
     0x100C: ("Guard time", 0x6, "rw", "DefaultValue=0"),
