@@ -1,4 +1,4 @@
-"""SDO answers while somebody is at the control port: `python -m benchmarks.control LOAD...`.
+"""SDO answers while somebody is at the control port: `python -m benchmarks.control [LOAD ...]`.
 
 Master, hub and twin are a process each, and so is who asks at the port, again and again without a
 pause. As that takes the machine's time, too, each load is also put on the port of another twin
@@ -7,6 +7,7 @@ p50, p99 and maximum of a round the median over the rounds is told: other work o
 single ones late by tens of milliseconds.
 """
 
+import argparse
 import json
 import subprocess
 import sys
@@ -40,7 +41,11 @@ def main(arguments: Sequence[str]) -> None:
     """Measure some loads, or all; `ask HOST:PORT LOAD` is one of them."""
     if arguments[:1] == ["ask"]:
         ask(*arguments[1:])
-    names = arguments or list(LOADS)
+    parser = argparse.ArgumentParser(prog="control.py", description=__doc__)
+    parser.add_argument("load", nargs="*", metavar="LOAD", help=f"of {', '.join(LOADS)}; else all")
+    names = parser.parse_args(arguments).load or list(LOADS)
+    if unknown := set(names) - LOADS.keys():
+        parser.error(f"unknown load {min(unknown)!r}: there is {', '.join(LOADS)}")
     places = [("nobody", ""), *((n, place) for n in names for place in ("elsewhere", "here"))]
     with _bus() as (node, ports):
         rounds = [
