@@ -78,15 +78,6 @@ def test_the_load_the_values_and_the_supply(said):
     assert said("power", "on", "load=resistor 3")[0] == 0
 
 
-@pytest.fixture
-def interruptible():
-    """Programs that are started hear SIGINT, even where a shell in the background ignores it."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
-
-
-@pytest.mark.usefixtures("interruptible")
 def test_it_is_watched_until_one_has_seen_enough(said, address):
     command = [*PROGRAM, "watch", "--kind", "order", "--at", address]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
