@@ -124,6 +124,13 @@ class TestInABrowser:
         panel.presses("active", "Clear")
         panel.reads("active", "^$")
 
+    def test_a_page_that_was_left_keeps_no_connection_from_the_next(self, panel):
+        address = panel.browser.current_url
+        for _ in range(6):  # as many as a browser has to one place
+            panel.browser.get("about:blank")
+            panel.browser.get(address)
+            panel.reads("state-title", "supply, node 5")
+
     def test_a_form_has_the_parameters_of_its_fault_and_says_what_is_wrong(self, panel):
         panel.at("fault").send_keys("heartbeat_late")
         panel.reads("parameters", r"by how much, in s")

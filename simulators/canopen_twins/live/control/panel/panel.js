@@ -101,10 +101,14 @@ function link(there) {
   at("link").classList.toggle("lost", !there);
 }
 
+// A page that is left may be kept for the way back, and its stream with it: of six connections one less.
 function listen() {
   const source = new EventSource(`/events?kind=emcy${token ? `&token=${encodeURIComponent(token)}` : ""}`);
   source.addEventListener("emcy", event => showEmcy(JSON.parse(event.data)));
+  addEventListener("pagehide", () => source.close(), {once: true});
 }
+
+addEventListener("pageshow", event => event.persisted && listen());
 
 every(1000, takeNodes);
 every(200, refresh);
