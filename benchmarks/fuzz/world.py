@@ -78,7 +78,8 @@ class World:
         match event:
             case Send(frame):
                 self.frames += 1
-                self._listen(frame, self._bench.put(frame))
+                addressed = self.node.node_id  # a reset may give it the one that is stored
+                self._listen(frame, self._bench.put(frame), addressed)
             case Wait(seconds):
                 self._bench.run(seconds)
             case Power(on):
@@ -107,8 +108,10 @@ class World:
             if not self.node.faults.active:
                 self._disturbed = False
 
-    def _listen(self, frame: Frame, said: list[str]) -> None:
+    def _listen(self, frame: Frame, said: list[str], node_id: int) -> None:
         """What came at once; raises `BrokenError` if it is an answer to what is no question.
+
+        `node_id` is the one that the node had when the frame came.
 
         CiA 301 7.2.4.3: the server answers requests, and an abort is none; a COB-ID has 11 bits
         unless its object says otherwise, and is that of data frames. 7.3.2.2: NMT has one node
@@ -116,7 +119,6 @@ class World:
         """
         if self._disturbed or not said:
             return
-        node_id = self.node.node_id
         asked = frame.can_id == identifiers.sdo_request(node_id)
         asked = asked and not (frame.remote or frame.extended or sdo.is_abort(frame.data))
         answers = [

@@ -5,6 +5,8 @@ import logging
 import pytest
 from conform.full import write_full
 
+from benchmarks.fuzz.events import Send
+from benchmarks.fuzz.world import World
 from canopen_twins import devices
 from canopen_twins.bus.frame import Frame
 from canopen_twins.cli import main
@@ -44,6 +46,13 @@ def test_the_twin_of_a_file_holds_whatever_happens(full):
     sent, failed = lives(full, count=10, steps=25)
     assert not failed, failed
     assert sent >= 25_000
+
+
+def test_a_reset_may_change_the_node_id_it_was_meant_for():
+    world = World("charger", node_id=5)
+    for frame in ("605#2F0220067F000000", "605#2310100173617665", "000#8205"):
+        world.do(Send(Frame.parse(frame)))
+    assert world.node.node_id == 127
 
 
 def send_twice(producer, emcy, bits):
