@@ -29,6 +29,17 @@ def test_a_change_is_sent_as_any_other(battery):
     assert battery.sent[before:] == ["185#3412FEFFFFFF"]
 
 
+@pytest.mark.parametrize("timing", [{"timing": "typical"}, {"timing": "worst"}, {"measure_time": 1}])
+def test_what_is_measured_late_or_with_noise_is_set_as_well(timing):
+    battery = Bench(BATTERY, node_id=5, **timing)
+    for voltage in range(40000, 50000, 1000):
+        battery.run(2)
+        battery.set(Voltage=voltage, Current=-voltage)
+        battery.run(2)
+        told = battery.values("Voltage", "Current")
+        assert told == pytest.approx({"Voltage": voltage, "Current": -voltage}, abs=5)
+
+
 def test_it_outlives_resets_and_the_supply_as_settings_do(battery):
     battery.set(Voltage=48000)
     for reset in ("000#8105", "000#8205"):

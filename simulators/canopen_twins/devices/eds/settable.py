@@ -81,8 +81,7 @@ class Settable(Device):
         if not variable.writable:
             self._put[address] = data
 
-    @staticmethod
-    def _write(slave: Slave, entry: Entry, data: bytes) -> None:
+    def _write(self, slave: Slave, entry: Entry, data: bytes) -> None:
         index, subindex = entry.address
         what = f"object {entry.variable.qualname!r}"
         if entry.writable:
@@ -92,6 +91,8 @@ class Settable(Device):
                 raise UserError(f"{what} does not take that: {refusal}") from None
         else:
             slave.data_store[index][subindex] = data
+        if entry.address in self.measured and entry.address not in self.objects:
+            return  # it may be shown later, and with noise
         if entry.readable and entry.read() != data:
             raise UserError(f"{what} ({address_text(entry.address)}) is what the node says")
 
