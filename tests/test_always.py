@@ -105,6 +105,27 @@ always:
     assert judged(f"{always}steps:\n{command(1, 1)}{command(1.2, 0)}") == [(5, "once", "PASS")]
 
 
+LATER = """\
+always:
+  - whenever: {emcy: {code: 0x2300}}
+    after: 0.2
+    expect: {never: {write: {Run command: 1}}, before: {write: {Run command: 2}}}
+"""
+
+
+def test_what_ends_it_may_come_before_it_begins(judged):
+    told = f"{LATER}steps:\n{error(1)}{command(1.1, 2)}{command(1.5, 1)}"
+    assert judged(told) == []
+    assert judged(told + error(3) + command(3.1, 0) + command(3.3, 1)) == [
+        (5, "Run command = 1", "FAIL")
+    ]
+
+
+def test_what_ends_it_is_waited_for_when_it_has_begun(judged):
+    told = f"{LATER}steps:\n{error(1)}{command(1.3, 2)}{command(1.5, 1)}"
+    assert judged(told) == [(5, "once", "PASS")]
+
+
 @pytest.mark.parametrize(
     ("always", "said"),
     [

@@ -1,5 +1,7 @@
 """What is expected every time that something is seen, beside the steps and as long as they last."""
 
+from collections.abc import Sequence
+
 from canopen_twins.bus.clock import microseconds
 from canopen_twins.scenario.actions import Expectation
 from canopen_twins.scenario.bus_events import Position
@@ -12,6 +14,8 @@ from canopen_twins.scenario.verdict import Finding, Kind
 class Rule:
     """An expectation that begins whenever its condition is seen, but not twice at a time.
 
+    One that begins later, and is over by then, does not begin.
+
     The first time that it fails is told at once, and is the last. What is still open in the end is
     not judged; if it has always passed, that is told then, with how often.
     """
@@ -22,6 +26,8 @@ class Rule:
         self._bus = resources.bus
         self._log = resources.log
         self._watch: Watch | None = None
+        self._ends: list[Watch] = []
+        """For what ends an expectation that has yet to begin."""
         self._run: ExpectationRun | None = None
         self._passed = 0
 
@@ -41,19 +47,40 @@ class Rule:
     def _stop(self) -> None:
         if self._watch is not None:
             self._watch.stop()
+        for end in self._ends:
+            end.stop()
         if self._run is not None:
             self._run.drop()
 
     def _set_off(self, told: str) -> None:
         clock, here = self._bus.clock, self._bus.position
+        ends = self._ends_before(here)
         begin = clock.ticks + microseconds(self._whenever.seconds)
-        clock.at_tick(begin, lambda: self._begin(here))  # not in the middle of what happens
+        clock.at_tick(begin, lambda: self._begin(here, ends))  # not in the middle of what happens
 
-    def _begin(self, since: Position) -> None:
-        if self._run is None and self._watch is not None and self._watch.active:
-            assert isinstance(self._step.action, Expectation)
-            self._run = ExpectationRun(self._step, self._step.action, self._bus, self._decide)
+    def _ends_before(self, here: Position) -> Sequence[Watch]:
+        """What watches for the end of an expectation until that begins."""
+        before = self._expectation.before
+        if not self._whenever.seconds or before is None or before.matcher.polled:
+            return ()  # a look tells it when it has begun
+        end = Watch.of(before, self._bus, lambda told: None)
+        end.listen(here)
+        self._ends.append(end)
+        return (end,)
+
+    def _begin(self, since: Position, ends: Sequence[Watch]) -> None:
+        is_over = any(not end.active for end in ends)
+        for end in ends:
+            end.stop()
+            self._ends.remove(end)
+        if self._run is None and self._watch is not None and self._watch.active and not is_over:
+            self._run = ExpectationRun(self._step, self._expectation, self._bus, self._decide)
             self._run.open(since)
+
+    @property
+    def _expectation(self) -> Expectation:
+        assert isinstance(self._step.action, Expectation)
+        return self._step.action
 
     def _decide(self, run: ExpectationRun, finding: Finding, tick: int) -> None:
         self._run = None
