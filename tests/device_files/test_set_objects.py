@@ -29,7 +29,9 @@ def test_a_change_is_sent_as_any_other(battery):
     assert battery.sent[before:] == ["185#3412FEFFFFFF"]
 
 
-@pytest.mark.parametrize("timing", [{"timing": "typical"}, {"timing": "worst"}, {"measure_time": 1}])
+@pytest.mark.parametrize(
+    "timing", [{"timing": "typical"}, {"timing": "worst"}, {"measure_time": 1}]
+)
 def test_what_is_measured_late_or_with_noise_is_set_as_well(timing):
     battery = Bench(BATTERY, node_id=5, **timing)
     for voltage in range(40000, 50000, 1000):

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -337,6 +338,26 @@ def test_nodes_are_tried_in_every_order(tmp_path):
         run(contract, Plan(order=order)).trace for order in ((), *Space(scenario, Events()).orders)
     ]
     assert len({*orders}) == 2
+
+
+IO_BLOCK = Path(__file__).parents[2] / "docs" / "examples" / "io-block" / "io_block.eds"
+EDS_CONTRACT = """\
+version: 1
+name: An I/O block is watched
+node: {device: io_block.eds, node_id: 5}
+space: {faults: [sdo_silence], most: 1}
+duration: 3
+recovers: {within: 3, when: {value: {Producer heartbeat time: 500}}}
+"""
+
+
+def test_a_device_of_a_file_is_found_out_from_another_folder(hunted, tmp_path):
+    shutil.copy(IO_BLOCK, tmp_path)
+    (tmp_path / "finds").mkdir()
+    master = BRITTLE.replace("0x2010: 2000, 0x2014: 1", "0x1017: 500")
+    code, said = hunted(master, "--runs", "14", "--finds", "finds", contract=EDS_CONTRACT)
+    assert (code, "thrown away" in said) == (1, False), said
+    assert main(["play", "finds/hunt-1.twin.yaml"]) == 1
 
 
 def test_a_find_takes_a_name_that_nobody_has_and_leaves_nothing_else(hunted, tmp_path):

@@ -90,7 +90,8 @@ def read_bench(path: Path, find: Find) -> Mapping[str, NodeSpec]:
 def _scenario(file: schema.ScenarioFile, path: Path, find: Find) -> Scenario:
     participants = Participants(find, path.parent, file.seed, file.timing)
     if file.node is not None:
-        participants.take(file.node.device, file.node, file.node.place)
+        name = Path(file.node.device.text).name  # of a file, too, wherever it lies
+        participants.take(name, file.node, file.node.place)
     _take(file.nodes or {}, participants)
     lasts = inf if file.ends_with is EndsWith.COMMAND else file.duration
     return Scenario(
@@ -139,7 +140,7 @@ def _master(file: schema.ScenarioFile, path: Path) -> PythonMaster | None:
 
 def _take(nodes: Mapping[Item, schema.Node | None], participants: Participants) -> Participants:
     for name, node in nodes.items():
-        participants.take(name, node, name)
+        participants.take(name.text, node, name)
     return participants
 
 

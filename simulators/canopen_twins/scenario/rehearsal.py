@@ -107,15 +107,15 @@ class Participants:
         self._rehearsals: dict[str, Rehearsal] = {}
         self._bus: Segment[Node] = Segment()
 
-    def take(self, name: Item, node: schema.Node | None, place: Item) -> None:
+    def take(self, name: str, node: schema.Node | None, place: Item) -> None:
         """Take one in; what is wrong with it and knows no place is blamed on this one."""
-        self._names.append(name.text)
+        self._names.append(name)
         with place.problems.at(place):
             if node is not None:
                 spec, device = self._made(node)
-                twin = connect(self._bus, device, name.text)
-                self._rehearsals[name.text] = Rehearsal(twin, self._seed)
-                self.specs[name.text] = spec
+                twin = connect(self._bus, device, name)
+                self._rehearsals[name] = Rehearsal(twin, self._seed)
+                self.specs[name] = spec
 
     def rehearsal(self, name: Item | None, place: Item) -> Rehearsal:
         """That of a node by its name; of the only one if there is no name.
