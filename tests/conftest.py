@@ -46,13 +46,22 @@ def pytest_collection_finish() -> None:
 def pytest_xdist_make_scheduler(config, log):
     """One worker has all tests that look at the runs of shipped scenarios, and begins with them.
 
+    The others go out a thousandth of all at a time, neighbours together: who hands out ten
+    thousand of them one by one counts at each what has become of all before.
     The groups of pytest-xdist 3.8 are of no effect with pytest 9.2.
     """
     from xdist.scheduler import LoadScopeScheduling  # noqa: PLC0415
 
     class Scheduling(LoadScopeScheduling):
+        def __init__(self, *arguments):
+            super().__init__(*arguments)
+            self.handfuls = {}
+
         def _split_scope(self, nodeid):
-            return "shipped scenarios" if nodeid.startswith(WITH_RUNS) else nodeid
+            if nodeid.startswith(WITH_RUNS):
+                return "shipped scenarios"
+            number = len(self.handfuls) * 1000 // len(self.collection)
+            return self.handfuls.setdefault(nodeid, f"handful {number}")
 
     return Scheduling(config, log)
 

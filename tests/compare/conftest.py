@@ -1,4 +1,5 @@
 from collections.abc import Callable
+from functools import cache
 
 import pytest
 
@@ -53,11 +54,17 @@ def told(agreement):
     return [f"{each.subject}: {each.kind}" for each in agreement.differences.values()]
 
 
+@cache
+def _lines(master, device, settings):
+    """Of the trace of a twin as the device; several tests want that of the same one."""
+    return tuple(map(str, traced(master, device, **dict(settings))))
+
+
 @pytest.fixture
 def field(tmp_path) -> Callable[..., object]:
     """The trace of a twin as the device, in a file."""
 
     def trace(master, device="topcon", name="field.log", **settings):
-        return log(tmp_path / name, traced(master, device, **settings))
+        return log(tmp_path / name, _lines(master, device, tuple(settings.items())))
 
     return trace

@@ -99,6 +99,26 @@ def supply(bench, pause=PAUSE):
     master.read(*IDENTITY[:2], *SET_VALUES)
 
 
+def measuring(bench):
+    """A TopCon that runs: what it measures, asked for and in PDOs."""
+    master = Master(bench)
+    if not bench.trace:
+        master.wait_for_boot_up()
+    master.nmt(0x01)
+    _run_it(master)
+    _ask_for_pdos(master)
+
+
+def too_high(bench):
+    """A TopCon that is told to give more than its nominal voltage."""
+    master = Master(bench)
+    if not bench.trace:
+        master.wait_for_boot_up()
+    master.read(*IDENTITY, (0x2010, 0))
+    master.write(0x2010, 0, 4100)
+    master.read((0x2010, 0))
+
+
 def _run_it(master):
     master.send(0x200, "D007")
     master.send(0x300, "E803")

@@ -7,15 +7,15 @@ from canopen_twins import Bench, devices
 
 from .conftest import log, traced
 from .local_node import BLOCK
-from .masters import Master, charging, supply
+from .masters import Master, charging, measuring, supply, too_high
 
 
 @pytest.fixture
 def fitted(field, said, tmp_path):
     """The settings that are found for a device with others, and how much they are worth."""
 
-    def fit(**settings):
-        trace = field(supply, **settings)
+    def fit(master=supply, **settings):
+        trace = field(master, **settings)
         code, _, err = said("compare", "topcon", "-n", "5", trace, "--fit", tmp_path / "fit.yaml")
         assert code == 1
         after, before = map(float, re.findall(r"([\d.]+) %", err))
@@ -26,7 +26,7 @@ def fitted(field, said, tmp_path):
     return fit
 
 
-def test_settings_that_a_trace_decides_are_found(fitted):
+def test_settings_and_times_that_a_trace_decides_are_found(fitted):
     given = {
         "serial": 77,
         "firmware": "V4.11.20",
@@ -38,37 +38,32 @@ def test_settings_that_a_trace_decides_are_found(fitted):
         "power_on_voltage": 7,
         "ovp_when_off": False,
     }
-    found, before, after = fitted(**given)
+    times = {"boot_time": 0.4, "answer_time": 0.02, "answer_jitter": 0.01, "store_time": 0.3}
+    found, before, after = fitted(**given, **times)
     assert before < after == 100
     assert found.items() >= given.items()
-
-
-def test_times_are_those_of_the_device(fitted):
-    given = {"boot_time": 0.4, "answer_time": 0.02, "answer_jitter": 0.01, "store_time": 0.3}
-    found, before, after = fitted(**given)
-    assert before < after == 100
-    for name, value in given.items():
+    for name, value in times.items():
         assert found[name] == pytest.approx(value, abs=0.005)
 
 
 def test_noise_is_what_the_values_show(fitted):
-    found, before, after = fitted(noise=3)
+    found, before, after = fitted(measuring, noise=3)
     assert before < after == 100
     assert found["noise"] == pytest.approx(3, abs=1)
 
 
 def test_a_device_under_another_load_is_not_explained_by_noise(fitted):
-    found, _, _ = fitted(load="resistor 4")
+    found, _, _ = fitted(measuring, load="resistor 4")
     assert "noise" not in found
 
 
 def test_what_nothing_can_be_set_for_stays_as_it_is(fitted):
-    found, before, after = fitted(set_value_range=32767)
+    found, before, after = fitted(too_high, set_value_range=32767)
     assert (set(found.values()), before) == ({0.0}, after)
 
 
 def test_a_file_is_refused_by_its_name(field, said, tmp_path):
-    trace = field(supply)
+    trace = field(too_high)
     code, _, err = said("compare", "topcon", "-n", "5", trace, "--fit", tmp_path / "fit.txt")
     assert (code, err.count("\n")) == (2, 1)
     assert "the name of a bench file ends in .yaml, not in .device.yaml" in err

@@ -52,6 +52,7 @@ class Fit:
         """Raises `UserError` as a comparison does."""
         self._frames: Sequence[TimedFrame] = list(islice(frames, TRIED_WITH))
         self._tolerances = tolerances
+        self._tried: set[str] = set()
         self.best = self._try(specs)
         for name in specs:
             self._fit(name)
@@ -77,8 +78,12 @@ class Fit:
         if not settings.keys() <= known:
             return
         changed = NodeSpec(spec.device, {**spec.settings, **settings})
+        specs = {**self.best.specs, name: changed}
+        if (tried := _all_settings(specs)) in self._tried:
+            return  # it has come to what it comes to
+        self._tried.add(tried)
         try:
-            trial = self._try({**self.best.specs, name: changed})
+            trial = self._try(specs)
         except UserError:
             return  # they do not go together
         if trial.score > self.best.score or (not is_better and trial.score == self.best.score):
@@ -91,6 +96,10 @@ class Fit:
         for sent in self._frames:
             comparison.hear(sent.tick, sent.frame)
         return Trial(specs, comparison.end(), shown)
+
+
+def _all_settings(specs: Specs) -> str:
+    return repr({name: sorted(spec.settings.items()) for name, spec in specs.items()})
 
 
 def _times(shown: Shown) -> Iterator[Mapping[str, object]]:
