@@ -16,7 +16,7 @@ from canopen_twins.device.dcf import dcf
 from canopen_twins.device.node import Node, wait_for_boot
 from canopen_twins.device.settings import about
 from canopen_twins.devices.charger.model.types import TYPES, Variant
-from canopen_twins.devices.topcon.units import read_unit_types
+from canopen_twins.devices.topcon.unit_file import read_unit_types
 from canopen_twins.files.shipped import od_file
 from canopen_twins.slave.dictionary import dictionary
 from canopen_twins.slave.object import Entry, Rejected, entries_of

@@ -8,7 +8,7 @@ from canopen_twins import Bench
 from canopen_twins.devices.topcon.model.loads import parse_load
 from canopen_twins.devices.topcon.model.stage import OutputStage
 from canopen_twins.devices.topcon.model.unit import UnitType
-from canopen_twins.devices.topcon.units import read_unit_types
+from canopen_twins.devices.topcon.unit_file import read_unit_types
 from canopen_twins.files.shipped import od_file
 
 

@@ -36,6 +36,12 @@ def test_a_load_is_its_text(text, load):
     assert parse_load(text) == load
 
 
+def test_loads_of_two_texts_are_two_loads():
+    assert len({*map(parse_load, TEXTS)}) == len(TEXTS)
+    assert Resistor(4.0) != CurrentSink(4.0)
+    assert repr(Battery(350.0, 0.1)) == "Battery(350.0, 0.1, False, 0.0, 0.5, 0.2)"
+
+
 @pytest.mark.parametrize(
     ("text", "load"),
     [

@@ -2,7 +2,8 @@ from dataclasses import fields
 
 import pytest
 
-from canopen_twins.devices.topcon.units import read_unit_types
+from canopen_twins.devices.topcon.unit_file import read_unit_types
+from canopen_twins.devices.topcon.units import shipped
 from canopen_twins.errors import UserError
 
 A = "TCP-32-400"
@@ -21,6 +22,10 @@ def read(units, tmp_path):
         return read_unit_types(path)
 
     return read
+
+
+def test_our_file_says_line_by_line_what_it_says_as_yaml(units):
+    assert repr(shipped()) == repr(units)  # whole numbers are whole in both
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,7 @@
-"""Unit types as a file lists them, such as od/topcon_units.yaml, and the stage of one of them."""
+"""Unit types, ours and those of a user's file, and the stage of one of them."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import MISSING, fields
-from functools import cache, partial
+from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -11,55 +10,9 @@ from canopen_twins.devices.topcon.model.stage import OutputStage
 from canopen_twins.devices.topcon.model.unit import UnitType
 from canopen_twins.devices.topcon.settings import Settings
 from canopen_twins.errors import UserError, unknown
-from canopen_twins.files.document import Item, Scalar, understand, values
 from canopen_twins.files.shipped import od_file
 
-VERSION = 1
-READERS: Mapping[Any, Callable[[Item], Scalar]] = {
-    str: lambda item: item.text,
-    float: lambda item: item.number,
-    bool: lambda item: item.truth,
-}
-FIGURES = {field.name: READERS[field.type] for field in fields(UnitType)}
-OPTIONAL = [field.name for field in fields(UnitType) if field.default is not MISSING]
-
-
-def read_unit_types(path: Path) -> Mapping[str, UnitType]:
-    """The unit types of a file by their names.
-
-    Raises:
-        DocumentError: with a line for everything that is wrong, each with its place.
-    """
-    return understand(path, _unit_types)
-
-
-def _unit_types(file: Item) -> Mapping[str, UnitType]:
-    units: dict[str, UnitType] = {}
-    values(file, {"version": _check_version, "types": partial(_read_types, units=units)})
-    return units
-
-
-def _check_version(version: Item) -> None:
-    if version.whole != VERSION:
-        raise version.wrong(f"version {version.text} is unknown; this is {VERSION}")
-
-
-def _read_types(types: Item, units: dict[str, UnitType]) -> None:
-    if not types.items:
-        raise types.wrong("empty; at least one unit type is wanted here")
-    for entry in types.items:
-        with entry.problems.at(entry):
-            unit = _unit_type(values(entry, FIGURES, OPTIONAL))
-            if unit.name in units:
-                raise UserError(f"unit type {unit.name!r} stands above already")
-            units[unit.name] = unit
-
-
-def _unit_type(figures: Mapping[str, Any]) -> UnitType:
-    try:
-        return UnitType(**figures)
-    except ValueError as refusal:
-        raise UserError(str(refusal)) from refusal
+TRUTH = {"true": True, "false": False}
 
 
 def find(name: str, extra: str = "") -> UnitType:
@@ -68,16 +21,46 @@ def find(name: str, extra: str = "") -> UnitType:
     Raises:
         UserError: there is none, or a file is not what it should be.
     """
-    known = {**_shipped(), **(read_unit_types(Path(extra)) if extra else {})}
+    known = {**shipped(), **(_of_file(Path(extra)) if extra else {})}
     if name not in known:
         raise unknown("unit type", name, known)
     return known[name]
 
 
+def _of_file(path: Path) -> Mapping[str, UnitType]:
+    from canopen_twins.devices.topcon.unit_file import read_unit_types  # noqa: PLC0415 - see `shipped`
+
+    return read_unit_types(path)
+
+
 @cache
-def _shipped() -> Mapping[str, UnitType]:
+def shipped() -> Mapping[str, UnitType]:
+    """Our unit types by their names.
+
+    Of YAML our file has no more than keys and values, line by line: the import of PyYAML and the
+    checks of a file of the user's took a quarter of the time to the first twin of a process.
+    """
+    types: list[dict[str, Any]] = []
     with od_file("topcon_units.yaml") as path:
-        return read_unit_types(path)
+        lines = path.read_text("utf-8").partition("\ntypes:\n")[2].splitlines()
+    for line in lines:
+        key, _, figure = line.partition("#")[0].strip().partition(": ")
+        if key.startswith("- "):
+            types.append({})
+        if key:
+            types[-1][key.removeprefix("- ")] = _figure(figure)
+    return {each["name"]: UnitType(**each) for each in types}
+
+
+def _figure(text: str) -> str | float | bool:
+    if text in TRUTH:
+        return TRUTH[text]
+    if text.isdecimal():
+        return int(text)
+    try:
+        return float(text)
+    except ValueError:
+        return text
 
 
 def unit_type(settings: Settings) -> UnitType:

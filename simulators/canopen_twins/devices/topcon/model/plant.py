@@ -62,7 +62,6 @@ class Inputs:
         self.overcurrent_level = LEVEL_MARGIN * self.unit.maximum_current
 
 
-@dataclass(eq=False)
 class Plant(Inputs):
     """Ramps, circuit, heat sink and I2t store under these inputs.
 
@@ -71,8 +70,8 @@ class Plant(Inputs):
 
     tick: ClassVar[float] = 0.001  # s
 
-    state: StageState = field(init=False)
-    ticks: int = field(init=False)  # since power-on
+    state: StageState
+    ticks: int  # since power-on
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -1,6 +1,6 @@
 """The output stage: power side and protections in one state machine, in ticks of 1 ms."""
 
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from math import ceil, inf
 from operator import attrgetter
 from typing import Any
@@ -14,7 +14,6 @@ LAST_ERROR = 0x1FF  # error numbers of chapter 8 have nine bits
 inputs_of = attrgetter(*(part.name for part in fields(Inputs)))
 
 
-@dataclass(eq=False)
 class OutputStage(Plant):
     """Set values and surroundings are assigned: see `Inputs`. It is made with its supply on."""
 
