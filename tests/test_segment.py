@@ -68,6 +68,43 @@ def test_what_one_node_sends_the_other_hears(pair):
     assert pair["right"].sdo["Level"].raw == 0x1234
 
 
+def test_who_listens_to_what_had_passed_it_by_hears_it_from_then_on(pair):
+    def level(frame):
+        pair.send(frame)
+        return pair["right"].values("Level")["Level"]
+
+    configure(
+        pair,
+        "606#2300140106020080",
+        "606#2F00160000000000",
+        "606#2300160110000021",
+        "606#2F00160001000000",
+        "606#2300140106020000",  # RPDO 1 of the right takes 206h
+    )
+    pair.send("000#0106")
+    assert [level(frame) for frame in ("206#0100", "3FF#0200")] == [1, 1]
+    configure(pair, "606#2300140106020080", "606#23001401FF030000")
+    assert [level(frame) for frame in ("206#0300", "3FF#0400")] == [1, 4]
+
+
+def test_a_node_that_comes_later_hears_what_nobody_had_heard_before():
+    segment, heard = Segment(), []
+    connect(segment, Probe(5), "left").power_on()
+    segment.send(Frame.parse("606#4000100000000000"))
+    connect(segment, Probe(6), "right").power_on()
+    segment.listeners.append(lambda frame, sender: heard.append(sender))
+    segment.send(Frame.parse("606#4000100000000000"))
+    assert heard == ["right", "", "right"]
+
+
+def test_a_filter_of_a_fault_takes_and_leaves_frames_at_once(pair):
+    assert pair.send("606#4000100000000000") == ["586#4300100000000000"]
+    pair["right"].inject("frame_lost")
+    assert pair.send("606#4000100000000000") == []
+    pair["right"].clear()
+    assert pair.send("606#4000100000000000") == ["586#4300100000000000"]
+
+
 def test_a_node_does_not_hear_itself(pair):
     configure(
         pair,

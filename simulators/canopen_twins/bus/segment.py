@@ -1,6 +1,5 @@
 """A bus whose frames take their time: one after the other, the lowest identifier first."""
 
-from collections import deque
 from collections.abc import Callable, Sequence
 from heapq import heappop, heappush
 from itertools import count
@@ -9,6 +8,8 @@ from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 from canopen_twins.bus.clock import Clock
 from canopen_twins.bus.frame import Frame, length
 from canopen_twins.bus.wire import Outbox, Wire
+
+FEW = 4  # nodes: among them nobody has to be looked for
 
 
 class Arbitration:
@@ -20,7 +21,7 @@ class Arbitration:
     def __init__(self, clock: Clock, bit_rate: int) -> None:
         self.bit_rate = bit_rate
         self._clock = clock
-        self.arrived: Outbox = deque()
+        self.arrived = Outbox()
         self._waiting: list[tuple[tuple[int, ...], int, Wire, Frame]] = []
         self._order = count()
         self._busy = False
@@ -107,7 +108,8 @@ class Segment(Generic[AnyEnd]):
         self.listeners: list[Listener] = []
         self.masters: list[Listener] = []
         self.order_listeners: list[OrderListener] = []
-        self.outbox: Outbox = deque()
+        self.outbox = Outbox()
+        self._indexed = 0  # how many nodes there were when it was looked who hears what
         self._foreign = Wire(self.clock, self.outbox)
         self._used = -1  # the microsecond of the last frame
         self._touched: list[Callable[[], None]] = []
@@ -162,6 +164,8 @@ class Segment(Generic[AnyEnd]):
                 if not self._fits(sender, frame):
                     continue
                 nodes = self._hearing(sender, frame)
+            elif len(nodes) > FEW:
+                nodes = self._hearers(frame)
             try:
                 key = frame.can_id, frame.remote
                 for node in nodes:
@@ -178,7 +182,7 @@ class Segment(Generic[AnyEnd]):
         if self._bus is not None:
             sent = [each for each in self.outbox if self._fits(*each)]
             self.outbox.clear()
-            self._bus.take(deque(sent), self.first)
+            self._bus.take(Outbox(sent), self.first)
 
     def _winner(self, arrived: Outbox) -> tuple[Wire, Frame]:
         """Of what waits: the oldest of each sender competes, as controllers keep their order."""
@@ -194,6 +198,19 @@ class Segment(Generic[AnyEnd]):
         won = arrived[place]
         del arrived[place]
         return won
+
+    def _hearers(self, frame: Frame) -> list[AnyEnd]:
+        """Of many nodes those that hear a frame: most are for one of them, or for none."""
+        known, key = self.outbox.hearers, (frame.can_id, frame.remote)
+        if len(self.nodes) != self._indexed:
+            known.clear()
+            self._indexed = len(self.nodes)
+        nodes = known.get(key)
+        if nodes is None:
+            nodes = [node for node in self.nodes if node.wire.hears(key)]
+            if not frame.extended:  # of those there is an end
+                known[key] = nodes
+        return nodes
 
     def _hearing(self, sender: Wire, frame: Frame) -> list[AnyEnd]:
         others = [node for node in self.nodes if node.wire is not sender]

@@ -1,7 +1,7 @@
 """A node's end of a bus: where its frames go out, through which filters, and its event log."""
 
 from collections import deque
-from collections.abc import Callable, Container, Sequence
+from collections.abc import Callable, Container, Iterable, Sequence
 from enum import Enum
 from functools import partial
 from math import inf
@@ -107,9 +107,19 @@ def through(filters: Sequence[Filter], frame: Frame, end: Onward) -> None:
         end(frame)
 
 
-Outbox = deque[tuple["Wire", Frame]]
 Heard = tuple[int, bool]
 """An identifier, and whether frames with it are remote ones."""
+
+
+class Outbox(deque[tuple["Wire", Frame]]):
+    """What has been sent by the wires that share it, in its order, with who sent it."""
+
+    __slots__ = ("hearers",)
+
+    def __init__(self, sent: Iterable[tuple["Wire", Frame]] = ()) -> None:
+        super().__init__(sent)
+        self.hearers: dict[Heard, list[Any]] = {}
+        """Which ends hear what, as far as their segment has looked since one listens otherwise."""
 
 
 class Wire(canopen.Network):
@@ -132,7 +142,21 @@ class Wire(canopen.Network):
         self.heard: Container[Heard] | None = None
         """All that its end listens to, none for whatever comes: most frames are for others."""
         self.error_state = ErrorState.ACTIVE  # a fault of the line says otherwise
-        self.outbox: Outbox = deque() if outbox is None else outbox
+        self.outbox = Outbox() if outbox is None else outbox
+
+    def listen(self, heard: Container[Heard]) -> None:
+        """Hear nothing but this from now on."""
+        self.heard = heard
+        self.outbox.hearers.clear()
+
+    def filter_incoming(self, filters: Sequence[Filter]) -> None:
+        """Let whatever comes go through these from now on, each to the next."""
+        self.incoming = list(filters)
+        self.outbox.hearers.clear()
+
+    def hears(self, key: Heard) -> bool:
+        """Whether a frame is for its end, or for a filter before that."""
+        return self.heard is None or key in self.heard or bool(self.incoming)
 
     def put(self, frame: Frame) -> None:
         """Send a frame."""

@@ -141,7 +141,7 @@ class Stack:
     def _derive(self) -> None:
         self.stale = False
         self.routes, self.publishers = {}, []
-        self.slave.wire.heard = self.routes
+        self.slave.wire.listen(self.routes)
         for service in self._services:
             heard = list(service.listen())
             if self.state not in service.active_in:
@@ -481,7 +481,7 @@ class Node:
             self._before = self._stack.slave
             self._stack.close()
             self.wire.events.add_state(State.INITIALISING)
-            self.wire.heard = ()
+            self.wire.listen(())
             self._stack = None
 
 

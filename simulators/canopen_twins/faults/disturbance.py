@@ -207,8 +207,8 @@ class Filtering(Disturbance):
         self.node.wire.outgoing.append(self)
         self.node.wire.outgoing.sort(key=_side)
         if self.both_ways:
-            self.node.wire.incoming.append(self)
-            self.node.wire.incoming.sort(key=_side, reverse=True)
+            wire = self.node.wire
+            wire.filter_incoming(sorted((*wire.incoming, self), key=_side, reverse=True))
 
     def stop(self) -> None:
         """Get out of the way."""
@@ -216,7 +216,8 @@ class Filtering(Disturbance):
         self._running = False
         self.node.wire.outgoing.remove(self)
         if self.both_ways:
-            self.node.wire.incoming.remove(self)
+            wire = self.node.wire
+            wire.filter_incoming([each for each in wire.incoming if each is not self])
 
     def __call__(self, frame: Frame, onward: Onward) -> None:
         """Strike, or let pass; a frame that was held back elsewhere may come when it has ended."""

@@ -37,12 +37,13 @@ class Counterfeit(Disturbance):
     def start(self) -> None:
         """In the slave that is there now; every frame looks whether it is a new one."""
         self._put()
-        self.node.wire.incoming.append(self._look)
+        self.node.wire.filter_incoming([*self.node.wire.incoming, self._look])
 
     def stop(self) -> None:
         """Put the true entry back."""
         super().stop()
-        self.node.wire.incoming.remove(self._look)
+        wire = self.node.wire
+        wire.filter_incoming([each for each in wire.incoming if each != self._look])
         index, subindex = self._address
         if self._slave is not None and self._true is not None:
             self._slave.entries[index][subindex] = self._true
