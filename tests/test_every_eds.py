@@ -149,17 +149,20 @@ def test_dcfchk_finds_nothing_to_say(eds, node_id, monkeypatch, capsys):
     assert capsys.readouterr() == ("", "")
 
 
-def test_dcfgen_makes_a_boot_master_without_a_word(eds, dictionary, tmp_path):
-    heartbeat = "heartbeat_producer: 100" if dictionary[0x1017].writable else ""
-    (tmp_path / "bus.yaml").write_text(
-        f"master: {{node_id: 127, heartbeat_consumer: true}}\n"
-        f"slave: {{dcf: {eds}, node_id: {NODE_ID}, {heartbeat}}}\n"
-    )
+def test_dcfgen_makes_a_boot_master_of_them_all_without_a_word(tmp_path):
+    lines = ["master: {node_id: 127, heartbeat_consumer: true}"]
+    for node_id, eds in enumerate(EDS_FILES, 1):
+        can_be_set = imported(eds, NODE_ID)[0x1017].writable
+        heartbeat = ", heartbeat_producer: 100" if can_be_set else ""
+        lines.append(f"{eds.stem}: {{dcf: {eds}, node_id: {node_id}{heartbeat}}}")
+    (tmp_path / "bus.yaml").write_text("\n".join(lines))
     python = [sys.executable, "-W", "ignore:pkg_resources"]
     command = [*python, "-m", "dcfgen.cli", "-r", "-d", tmp_path, tmp_path / "bus.yaml"]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (result.returncode, result.stdout, result.stderr) == (0, "", "")
-    assert (tmp_path / "master.dcf").exists()
+    master = RawConfigParser()
+    master.read(tmp_path / "master.dcf")
+    assert int(master["1F81Value"]["NrOfEntries"]) == len(EDS_FILES)
 
 
 def test_the_lists_name_every_object_once(raw):

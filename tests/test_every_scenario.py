@@ -1,4 +1,6 @@
 import json
+from contextlib import redirect_stdout
+from io import StringIO
 
 import pytest
 from played import SCENARIOS
@@ -25,6 +27,19 @@ def test_a_replay_of_its_record_is_the_same_run_frame_by_frame_and_outcome_by_ou
     assert sorted(told) == sorted((each.line, each.kind) for each in run.verdict.outcomes)
     assert main(["replay", str(run.record)]) == 0
     assert capsys.readouterr().out == run.trace
+
+
+@pytest.fixture(scope="module")
+def listed():
+    """What `canopen-twin list` prints."""
+    with redirect_stdout(StringIO()) as out:
+        assert main(["list"]) == 0
+    return out.getvalue().splitlines()
+
+
+def test_it_is_listed_with_its_name(run, listed):
+    (line,) = (line for line in listed if line.startswith(f"{run.scenario.file.name} "))
+    assert line.split(maxsplit=1)[1] == run.scenario.name
 
 
 def test_it_says_what_it_is_about_and_expects_something(run):

@@ -1,8 +1,6 @@
 """Files that a user names: each is looked at before anything is played, opened or moved."""
 
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -84,14 +82,13 @@ def test_a_directory_that_is_full_is_no_record(here, capsys, record):
         "eds x.eds",
     ],
 )
-def test_in_a_directory_that_is_gone_there_are_no_files(tmp_path, words):
-    command = [sys.executable, "-m", "canopen_twins", *words.split()]
-    script = f'rmdir "$PWD"; exec {" ".join(command)}'
+def test_in_a_directory_that_is_gone_there_are_no_files(tmp_path, monkeypatch, capfd, words):
     (tmp_path / "gone").mkdir()
-    done = subprocess.run(
-        script, shell=True, cwd=tmp_path / "gone", capture_output=True, text=True, check=False
-    )
-    assert (done.returncode, done.stdout, len(done.stderr.splitlines())) == (2, "", 1), done.stderr
+    monkeypatch.chdir(tmp_path / "gone")
+    Path.cwd().rmdir()
+    assert main(words.split()) == 2
+    out, err = capfd.readouterr()
+    assert (out, len(err.splitlines())) == ("", 1), err
 
 
 def test_a_record_may_go_where_a_link_leads(here):

@@ -1,16 +1,14 @@
 """The path of a file stands wherever the name of a device does."""
 
-import json
 import logging
 import shutil
-import signal
-import subprocess
 import sys
 from pathlib import Path
 
 import canopen
 import dcf.cli
 import pytest
+from until_ready import run_until_ready
 
 from canopen_twins import Bench, UserError
 from canopen_twins.cli import main
@@ -62,40 +60,33 @@ def folder(tmp_path):
 
 
 def ready(*arguments):
-    """What `run` says when its twins have booted; and what else it says to the end."""
-    command = [sys.executable, "-m", "canopen_twins", "run", *map(str, arguments)]
-    bus = ["-i", "virtual", "-c", "files"]
-    with subprocess.Popen(
-        [*command, *bus], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as run:
-        told = json.loads(run.stdout.readline())
-        run.send_signal(signal.SIGTERM)
-        return told, run.communicate(timeout=60)[1]
+    """What `run` says when its twins have booted."""
+    return run_until_ready(*arguments, "-i", "virtual", "-c", "files").ready
 
 
 def test_it_is_run_with_the_node_id_that_is_said(folder):
     path = folder / "files" / "drive.eds"
-    told, _ = ready(path, "-n", "5")
+    told = ready(path, "-n", "5")
     assert told == {"ready": str(path), "node_id": 5, "interface": "virtual", "channel": "files"}
 
 
 def test_a_dcf_says_its_node_id_and_bit_rate(folder):
-    told, _ = ready(folder / "files" / "drive.dcf")
+    told = ready(folder / "files" / "drive.dcf")
     assert (told["node_id"], told["bit_rate"]) == (16, 500000)
 
 
 def test_a_bench_file_names_it_from_where_the_bench_file_is(folder):
-    told, _ = ready(folder / "bench.yaml")
+    told = ready(folder / "bench.yaml")
     assert told["nodes"] == {"left": 5, "right": 16}
     assert told["bit_rate"] == 500000
 
 
-def test_files_for_two_bit_rates_are_told(folder):
+def test_files_for_two_bit_rates_are_told(folder, caplog):
     dcf = (folder / "files" / "drive.dcf").read_text()
     (folder / "files" / "drive.eds").write_text(dcf.replace("Baudrate=500", "Baudrate=125"))
-    told, warned = ready(folder / "bench.yaml")
+    told = ready(folder / "bench.yaml")
     assert "bit_rate" not in told
-    assert "125000 bit/s and 500000 bit/s: one bus has one bit rate" in warned
+    assert "125000 bit/s and 500000 bit/s: one bus has one bit rate" in caplog.text
 
 
 def test_a_scenario_names_it_from_where_the_scenario_is(folder, said):
