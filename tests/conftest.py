@@ -15,6 +15,8 @@ from canopen_twins import Bench
 pytest_plugins = ["pytester"]
 collect_ignore = ["project_beside"]  # it runs by itself: see test_beside.py
 
+LEAN = "-p no:anyio -p no:benchmark -p no:hypothesispytest"
+"""Of the pytest runs that tests start: a second of imports each, which none of them is about."""
 WITH_RUNS = ("tests/test_every_scenario.py", "tests/test_coverage.py")  # the fixture `played`
 
 # what one process of a run has compiled, no other has to: there are two hundred of them
@@ -68,10 +70,21 @@ def pytest_xdist_make_scheduler(config, log):
 
 @pytest.fixture(scope="session", autouse=True)
 def nobody_else_runs(tmp_path_factory) -> Iterator[None]:
-    """Twins that run on this machine are no business of a test, nor those of tests anybody's."""
+    """Twins that run on this machine are no business of a test, nor those of tests anybody's.
+
+    Nor are options that somebody gives to pytest those of the runs that tests start.
+    """
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_RUNTIME_DIR", str(tmp_path_factory.mktemp("running")))
+        patch.setenv("PYTEST_ADDOPTS", LEAN)
         yield
+
+
+@pytest.fixture
+def pytester(pytester, monkeypatch) -> pytest.Pytester:
+    """That of pytest, which forgets what the environment says of options."""
+    monkeypatch.setenv("PYTEST_ADDOPTS", LEAN)
+    return pytester
 
 
 @pytest.fixture

@@ -31,10 +31,11 @@ def test_a_master_in_any_language_is_judged(checkout, port):  # noqa: F811
     assert 'failures="0" errors="0"' in (checkout / "report.xml").read_text()
 
 
-def test_a_master_that_goes_on_is_found_guilty(checkout, port):  # noqa: F811
-    master = checkout / "battery.py"
+def test_a_master_that_goes_on_is_found_guilty(pytester):
+    master = checkout_of(PAGE, pytester.path) / "battery.py"
     master.write_text(master.read_text().replace(" and not errors", ""))
-    done = carried_out("pytest -q test_battery.py", checkout, port)
-    assert done.returncode == 1
-    assert "stories/trip.yaml: FAIL (3 PASS, 1 FAIL)" in done.stdout
-    assert "trip.yaml:14: topcon: write Run command = 0 within 0.5 s: none came" in done.stdout
+    run = pytester.runpytest_inprocess("-q", "-p", "no:cacheprovider", "test_battery.py")
+    said = run.stdout.str()
+    assert run.ret == 1
+    assert "stories/trip.yaml: FAIL (3 PASS, 1 FAIL)" in said
+    assert "trip.yaml:14: topcon: write Run command = 0 within 0.5 s: none came" in said

@@ -27,8 +27,7 @@ boots = pytest.mark.skipif(
 
 
 @boots
-def test_a_command_runs_as_on_the_host_and_only_the_out_folder_is_kept(tmp_path):
-    (tmp_path / "out").mkdir()
+def test_a_command_runs_as_on_the_host_and_only_the_out_folder_is_made_and_kept(tmp_path):
     done = subprocess.run(
         [*VCAN, "--out", "out", "--", "bash", "-c", COMMAND],
         cwd=tmp_path,
@@ -49,8 +48,9 @@ def test_what_takes_too_long_is_ended(capsys):
 
 
 @boots
-def test_the_output_is_live_and_complete_and_sigterm_ends_everything():
-    command = [*VCAN, "--", "sh", "-c", "seq 100000; exec sleep 1000"]
+def test_the_output_is_live_and_complete_and_sigterm_ends_everything(tmp_path):
+    keep = ["--out", str(tmp_path)]  # which is there already
+    command = [*VCAN, *keep, "--", "sh", "-c", "seq 100000; exec sleep 1000"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as launcher:
         lines = [launcher.stdout.readline() for _ in range(100000)]
         launcher.send_signal(signal.SIGTERM)
@@ -68,10 +68,7 @@ def test_what_is_missing_is_told_with_the_line_that_installs_it(monkeypatch):
 
 
 @boots
-def test_the_folder_to_keep_is_made_where_its_parent_is(tmp_path):
-    kept = tmp_path / "kept"
-    assert guest.run(["sh", "-c", f"echo yes > {kept}/told"], limit=60.0, out=kept) == 0
-    assert (kept / "told").read_text("ascii") == "yes\n"
+def test_the_folder_to_keep_is_made_only_where_its_parent_is(tmp_path):
     with pytest.raises(UserError, match=r"there is no folder: No such file or directory"):
         guest.run(["true"], limit=1.0, out=tmp_path / "nowhere" / "there")
 
@@ -98,5 +95,6 @@ def test_the_how_to_prints_what_it_says(tmp_path):
         text=True,
         check=False,
     )
-    assert (done.returncode, done.stderr) == (0, "")
+    told = [line for line in done.stderr.splitlines() if "stood still" not in line]
+    assert (done.returncode, told) == (0, [])  # a guest of a busy machine may stand still
     assert f"This prints `{done.stdout.strip()}`" in page

@@ -12,6 +12,7 @@ import pytest
 
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Segment
+from canopen_twins.cli import main
 from canopen_twins.cli.words import MOST_WAITING, Printer, Words, is_coloured
 from canopen_twins.devices import create
 from canopen_twins.faults import connect
@@ -120,17 +121,18 @@ steps:
 """
 
 
-def test_a_run_says_its_words_below_its_ready_line(tmp_path):
+def test_a_run_says_its_words_below_its_ready_line(tmp_path, capfd):
     (tmp_path / "story.yaml").write_text(STORY)
-    run = [*PROGRAM, "run", "-i", "virtual", "--scenario", str(tmp_path / "story.yaml"), "--words"]
-    done = subprocess.run(run, capture_output=True, text=True, check=False, timeout=PATIENCE)
-    ready, *words = done.stdout.splitlines()
+    run = ["run", "-i", "virtual", "--scenario", str(tmp_path / "story.yaml"), "--words"]
+    assert main(run) == 0
+    ready, *words = capfd.readouterr().out.splitlines()
     assert json.loads(ready)["ready"] == "topcon"
     assert words[0].endswith("  topcon      pre-operational")
     assert any("fault interlock_open() injected" in line for line in words)
-    done = subprocess.run([*run, "--json"], capture_output=True, text=True, check=False)
-    assert [json.loads(line) and "" for line in done.stdout.splitlines()] == ["", ""]
-    assert "boot-up" in done.stderr
+    assert main([*run, "--json"]) == 0
+    out, err = capfd.readouterr()
+    assert [json.loads(line) and "" for line in out.splitlines()] == ["", ""]
+    assert "boot-up" in err
 
 
 def test_a_trace_of_a_run_is_written_as_it_goes_and_its_state_is_told_when_asked(tmp_path):

@@ -142,7 +142,10 @@ def test_what_was_said_before_nonsense_is_heard(call, ours):
     assert confused.hear().startswith("< error unknown command")
 
 
-def test_a_client_that_does_not_read_is_dropped_and_holds_nobody_up(call, ours, caplog):
+def test_a_client_that_does_not_read_is_dropped_and_holds_nobody_up(
+    call, ours, caplog, monkeypatch
+):
+    monkeypatch.setattr(connection, "MOST_WAITING", 1 << 16)
     dead = call(receive_buffer=4096).join()
     a, b = ours(), ours()
     for number in range(60_000):
