@@ -21,7 +21,7 @@ from canopen_twins.hunt import free
 from canopen_twins.hunt.contract import Contract, Plan
 from canopen_twins.hunt.events import Events, events_of
 from canopen_twins.hunt.run import run
-from canopen_twins.hunt.search import Hunt
+from canopen_twins.hunt.search import Budget, Hunt
 from canopen_twins.hunt.space import Space
 
 from .masters import BRITTLE, CAREFUL, CONTRACT, HASTY
@@ -340,6 +340,16 @@ def test_nodes_are_tried_in_every_order(tmp_path):
     assert len({*orders}) == 2
 
 
+def test_everything_goes_wrong_first_when_all_is_well(tmp_path):
+    scenario = Contract(tmp_path / "two.yaml")
+    (tmp_path / "two.yaml").write_text(TWO)
+    events = Events(moments={"left": {"{}": [0.0]}, "right": {}}, conditions={"{}": {}})
+    space = Space(scenario.scenario(Plan()), events)
+    firsts = [next(source).disturbances for source in space.singles()]
+    by_itself = [one[0] for one in firsts if one and "frame" not in str(one[0].get("inject"))]
+    assert {each.get("at") for each in by_itself if each["node"] == "left"} == {1.0}
+
+
 IO_BLOCK = Path(__file__).parents[2] / "docs" / "examples" / "io-block" / "io_block.eds"
 EDS_CONTRACT = """\
 version: 1
@@ -358,6 +368,22 @@ def test_a_device_of_a_file_is_found_out_from_another_folder(hunted, tmp_path):
     code, said = hunted(master, "--runs", "14", "--finds", "finds", contract=EDS_CONTRACT)
     assert (code, "thrown away" in said) == (1, False), said
     assert main(["play", "finds/hunt-1.twin.yaml"]) == 1
+
+
+def test_a_find_is_there_before_it_is_simple(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "my_master.py").write_text(HASTY)
+    (tmp_path / "contract.yaml").write_text(CONTRACT)
+    seen = []
+
+    def tell(report):
+        for find in report.finds:
+            seen.append((find.file.name, find.plan.left_out, find.file.read_text() == find.text))
+
+    Hunt(Contract(Path("contract.yaml"), "my_master:main"), budget=Budget(24), tell=tell).hunt()
+    assert seen[0] == ("hunt-1.twin.yaml", (), True)
+    assert seen[-1] == ("hunt-1.twin.yaml", (0,), True)  # its step does not matter
+    assert [path.name for path in tmp_path.glob("*.twin.yaml")] == ["hunt-1.twin.yaml"]
 
 
 def test_a_find_takes_a_name_that_nobody_has_and_leaves_nothing_else(hunted, tmp_path):

@@ -8,7 +8,7 @@ from __future__ import annotations
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from dataclasses import replace
 from functools import partial
 from importlib.util import find_spec
@@ -23,7 +23,14 @@ from canopen_twins.hunt.events import Events, events_of
 from canopen_twins.hunt.find import SUFFIX, Find, NotTheSameError, write_find
 from canopen_twins.hunt.report import Report, ThrownAway
 from canopen_twins.hunt.run import Failure, Result, difference, ended, run, run_to_compare
-from canopen_twins.hunt.shrink import MOST_DEATHS, MOST_IN_REAL_TIME, MOST_RUNS, Shrinker
+from canopen_twins.hunt.shrink import (
+    LEAST_SECONDS,
+    MOST_DEATHS,
+    MOST_IN_REAL_TIME,
+    MOST_RUNS,
+    MOST_SECONDS,
+    Shrinker,
+)
 from canopen_twins.hunt.space import Space
 from canopen_twins.hunt.sweep import Sweep
 from canopen_twins.hunt.workers import Death, Map, in_turn
@@ -53,6 +60,13 @@ class Budget:
         if self.until is not None and time.time() >= self.until:
             return False
         return self._runs is None or runs < self._runs
+
+    @property
+    def to_shrink(self) -> float:
+        """Seconds in which a find may become simple: some, even when all is spent."""
+        if self.until is None:
+            return MOST_SECONDS
+        return min(MOST_SECONDS, max(LEAST_SECONDS, self.until - time.time()))
 
 
 class BrokenContract(UserError):  # noqa: N818 - of the user's, not of ours
@@ -193,18 +207,28 @@ class Hunt:
         self._tell(self.report)
 
     def _pursue(self, result: Result, failure: Failure) -> None:
-        """Make a file of it, as simple as it can be."""
+        """Make a file of it at once, and then a simpler one in its place."""
+        try:
+            find = self._written(result.plan, failure)
+        except NotTheSameError as told:
+            self._failures.discard(failure)
+            self.report.thrown_away.append(ThrownAway(result.plan, str(told)))
+            return
+        finally:
+            self.report.runs += 1
+        self.report.finds.append(find)
+        self._tell(self.report)
         most = MOST_DEATHS if result.death else MOST_RUNS
         if self._contract.command:
             most = MOST_IN_REAL_TIME
-        shrinker = Shrinker(failure, self._one, self._contract.parts, most)
+        parts, seconds = self._contract.parts, self._budget.to_shrink
+        shrinker = Shrinker(failure, self._one, parts, most, seconds)
         plan = shrinker.shrink(result.plan)
-        self.report.runs += shrinker.runs + 1
-        try:
-            self.report.finds.append(self._written(plan, failure))
-        except NotTheSameError as told:
-            self._failures.discard(failure)
-            self.report.thrown_away.append(ThrownAway(plan, str(told)))
+        self.report.runs += shrinker.runs
+        if plan != result.plan:
+            with suppress(NotTheSameError):  # then the first one stays
+                simpler = self._written(plan, failure)
+                self.report.finds[-1] = replace(simpler, file=simpler.file.replace(find.file))
 
     def _written(self, plan: Plan, failure: Failure) -> Find:
         """Raises `NotTheSameError` if it does not come again."""

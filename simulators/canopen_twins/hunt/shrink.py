@@ -14,8 +14,8 @@ from canopen_twins.hunt.contract import Disturbance, Plan
 from canopen_twins.hunt.run import Failure, Result
 
 MOST_RUNS, MOST_IN_REAL_TIME, MOST_DEATHS = 200, 12, 8
-MOST_SECONDS = 120.0
-"""Of real time; runs that hang take long."""
+LEAST_SECONDS, MOST_SECONDS = 20.0, 120.0
+"""Of real time, when a hunt is over meanwhile and else; runs that hang take long."""
 ROUND = (1.0, 2.0, 5.0, 10.0, 0.5, 0.2, 0.1, 3.0, 4.0, 20.0, 0.05, 0.02, 0.01)
 """Times, the roundest first."""
 
@@ -25,13 +25,21 @@ Play = Callable[[Plan], Result]
 class Shrinker:
     """Knows what has been played already, and how often it may play on."""
 
-    def __init__(self, failure: Failure, play: Play, parts: int, most: int = MOST_RUNS) -> None:
+    def __init__(
+        self,
+        failure: Failure,
+        play: Play,
+        parts: int,
+        most: int = MOST_RUNS,
+        seconds: float = MOST_SECONDS,
+    ) -> None:
+        """`parts` of a contract; at `most` so many runs, in so many seconds of real time."""
         self.runs = 0
         self._failure = failure
         self._play = play
         self._parts = parts
         self._most = most
-        self._end = time.monotonic() + MOST_SECONDS
+        self._end = time.monotonic() + seconds
         self._known: dict[str, bool] = {}
 
     def shrink(self, plan: Plan) -> Plan:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from itertools import islice, permutations, product
-from math import isfinite
+from math import inf, isfinite
 from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
 
 from canopen_twins.bus.segment import Segment
@@ -136,8 +136,15 @@ class Space:
         return [*plans, iter([Plan(arbitration=name) for name in self.arbitrations])]
 
     def _of(self, option: Option) -> Iterator[Disturbance]:
-        moments = spread(self.moments[option.node])
+        moments = self._in_turn(option.node)
         return self._ranked(option, moments, option.parameters, (1, 3, 4))
+
+    def _in_turn(self, node: str) -> Sequence[Disturbance]:
+        """First when all is well and settled, as most things do in life, then at its events."""
+        moments = spread(self.moments[node])
+        settled = [each for each in moments if each.get("at", inf) <= (self._end or 0) / 2]
+        last = max(settled, key=lambda each: float(each["at"]), default=None)
+        return sorted(moments, key=lambda each: each is not last)
 
     def _aimed(self, option: Option) -> Iterator[Iterator[Disturbance]]:
         """It comes at its own time: there other aims are worth more than moments."""
@@ -161,7 +168,7 @@ class Space:
             yield option.at(moment, parameters, length)
 
     def _set(self, node: str, key: str, value: object) -> Iterator[Disturbance]:
-        for moment in self.moments[node]:
+        for moment in self._in_turn(node):
             yield self.change(moment, node, key, value)
 
     def change(self, moment: Disturbance, node: str, key: str, value: object) -> Disturbance:
