@@ -126,6 +126,28 @@ def test_what_ends_it_is_waited_for_when_it_has_begun(judged):
     assert judged(told) == [(5, "once", "PASS")]
 
 
+LOST = """\
+always:
+  - {whenever: {heartbeat: any, missing: 0.5}, expect: {write: {Run command: 0}, within: 0.2}}
+"""
+BEATS = "  - {at: 0.1, write: {0x1017: 200}}\n"
+
+
+def stopped(at, seconds):
+    return f"  - {{at: {at}, inject: heartbeat_stopped, for: {seconds}}}\n"
+
+
+def test_what_does_not_come_any_more_is_a_moment_each_time(judged):
+    steps = f"{LOST}steps:\n{BEATS}{stopped(1, 1)}{command(1.5, 0)}{stopped(3, 1)}"
+    assert judged(steps + command(3.5, 0)) == [(5, "2 times", "PASS")]
+    assert judged(steps) == [(5, "none came", "FAIL")]
+
+
+def test_what_is_late_but_not_too_late_is_none_and_so_is_what_never_came(judged):
+    assert judged(f"{LOST}steps:\n{BEATS}{stopped(1, 0.3)}") == []
+    assert judged(f"{LOST}steps: []\n") == []
+
+
 @pytest.mark.parametrize(
     ("always", "said"),
     [
@@ -133,6 +155,7 @@ def test_what_ends_it_is_waited_for_when_it_has_begun(judged):
         ("{whenever: {emcy: any}}", "expect"),
         ("{whenever: {emcy: any, nth: 2}, expect: {emcy: none, within: 1}}", "nth"),
         ("{whenever: {emcy: any}, expect: {write: {Run command: 0}}}", "within"),
+        ("{whenever: {emcy: any, missing: 1}, expect: {emcy: none, within: 1}}", "missing"),
     ],
 )
 def test_a_rule_that_is_none_is_told(judged, always, said):

@@ -361,8 +361,62 @@ recovers: {within: 3, when: {value: {Producer heartbeat time: 500}}}
 """
 
 
-def test_a_device_of_a_file_is_found_out_from_another_folder(hunted, tmp_path):
+SIGN = """\
+import time
+
+
+def main(network):
+    block = network.add_node(5)
+    while True:
+        time.sleep(0.5)
+        temperature = int.from_bytes(block.sdo.upload(0x6401, 1), "little")
+        block.sdo.download(0x6200, 1, bytes([temperature > 1000]))
+"""
+COOLS = """\
+version: 1
+name: Output 1 cools
+node: {device: io_block.eds, node_id: 5}
+duration: 3
+always:
+  - whenever: {write: {Write output 8-bit.Outputs 1 to 8: 1}}
+    expect: {value: {Read analogue input 16-bit.Temperature: {min: 0}}, within: 0}
+"""
+
+
+@pytest.fixture
+def io_block(tmp_path):
+    """The EDS of a device lies beside the contract."""
     shutil.copy(IO_BLOCK, tmp_path)
+
+
+def changes(tmp_path, text):
+    (tmp_path / "contract.yaml").write_text(text)
+    space = Space(Contract(tmp_path / "contract.yaml").scenario(Plan()), Events())
+    return {(name, value) for _, name, value in space.changes}
+
+
+def test_what_is_measured_goes_to_its_ends(io_block, tmp_path):
+    assert changes(tmp_path, COOLS) == {
+        (f"Read analogue input 16-bit.{name}", value)
+        for name in ("Temperature", "Pressure")
+        for value in (-32768, 32767)
+    }
+
+
+def test_what_the_contract_sets_is_left_to_it(io_block, tmp_path):
+    steps = "steps: [{at: 1, set: {0x6401:01: 5}}]\n"
+    assert {name for name, _ in changes(tmp_path, COOLS + steps)} == {
+        "Read analogue input 16-bit.Pressure"
+    }
+
+
+def test_objects_may_be_what_goes_wrong_and_nothing_else(hunted, io_block, tmp_path):
+    space = "space: {faults: [], settings: {0x6401:01: [-5]}}\n"
+    _, said = hunted(SIGN, "--runs", "20", contract=COOLS + space)
+    assert "set 0x6401:01: 1 step beyond the contract" in said
+
+
+def test_a_device_of_a_file_is_found_out_from_another_folder(hunted, io_block, tmp_path):
     (tmp_path / "finds").mkdir()
     master = BRITTLE.replace("0x2010: 2000, 0x2014: 1", "0x1017: 500")
     code, said = hunted(master, "--runs", "14", "--finds", "finds", contract=EDS_CONTRACT)

@@ -1,5 +1,8 @@
 """What goes wrong beside the steps of a file, and whether the master is back when it has healed."""
 
+import shutil
+from pathlib import Path
+
 import pytest
 
 from canopen_twins import play
@@ -14,6 +17,17 @@ SWITCH_ON = """\
 steps:
   - {at: 0.1, write: {Voltage reference: 2000, Current reference: 4000, Run command: 1}}
 """
+
+
+OBJECTS = """\
+version: 1
+node: {device: battery.eds, node_id: 5}
+duration: 2
+disturbances:
+  - {at: 1, set: {Current: -5, Undervoltage limit: 47000}}
+recovers: {within: 1, when: {value: {Current: 0, Undervoltage limit: 46000}}}
+"""
+EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 
 
 @pytest.fixture
@@ -126,6 +140,14 @@ def test_everything_heals(story):
     (before, _), (meanwhile, active), (after, healed) = loads
     assert [*active] == ["sdo_silence"]
     assert (before, meanwhile, after, healed) == ("resistor 4", "resistor 8", "resistor 4", {})
+
+
+def test_objects_that_were_set_heal_too(tmp_path):
+    shutil.copy(EXAMPLES / "battery" / "battery.eds", tmp_path)
+    path = tmp_path / "story.yaml"
+    path.write_text(OBJECTS)
+    (back,) = play(load(path)).outcomes
+    assert (back.seen, str(back.kind)) == ("Current is 0, Undervoltage limit is 46000", "PASS")
 
 
 def test_what_is_seen_counts_from_then_on_and_after_the_boot_time(judged):

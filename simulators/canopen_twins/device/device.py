@@ -144,6 +144,11 @@ class Device:
         return ()
 
     @property
+    def ranges(self) -> Mapping[str, tuple[int, int]]:
+        """Measured whole numbers that `set` takes, by name: the least and the greatest."""
+        return {}
+
+    @property
     def stored(self) -> Collection[Address]:
         """The entries that 0x1010 keeps."""
         return ()
@@ -251,6 +256,10 @@ class Device:
     def knows(self, name: str) -> bool:
         """Whether `set` takes something of this name."""
         return name in {field.name for field in fields(self.settings)}
+
+    def current(self, name: str) -> Any:
+        """What `set` takes for this name to stay as it is."""
+        return getattr(self.settings, name)
 
     def set(self, /, **given: object) -> None:
         """Change settings while the device runs.

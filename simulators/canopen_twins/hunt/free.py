@@ -129,10 +129,11 @@ def _plan(
 
 
 def _slot(space: Space) -> st.SearchStrategy[Any]:
-    faults = st.sampled_from(space.options).flatmap(lambda option: _fault(space, option))
-    if not space.changes:
-        return faults
-    return faults | st.sampled_from(space.changes).flatmap(lambda change: _change(space, *change))
+    faults, changes = space.options, space.changes
+    found = [st.sampled_from(faults).flatmap(lambda option: _fault(space, option))] * bool(faults)
+    if changes:
+        found.append(st.sampled_from(changes).flatmap(lambda change: _change(space, *change)))
+    return st.one_of(found) if found else st.none()
 
 
 def _fault(space: Space, option: Option) -> st.SearchStrategy[Any]:

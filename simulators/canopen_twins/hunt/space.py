@@ -23,7 +23,9 @@ from canopen_twins.files.writer import Verbatim
 from canopen_twins.hunt.contract import Disturbance, Plan
 from canopen_twins.hunt.events import Events
 from canopen_twins.scenario import Scenario
+from canopen_twins.scenario.actions import Set
 from canopen_twins.scenario.compile import ARBITRATION
+from canopen_twins.slave.dictionary import Objects
 
 
 class Limits(NamedTuple):
@@ -52,7 +54,7 @@ MOMENTS = (0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 OF_TIME = ("seconds", "pause")
 BY_AIM = ("nth", "probability", "burst", "seed", "frame")
 MOST_ORDERS = 23  # those of four nodes
-MOST_WORDS, MOST_OBJECTS = 3, 16
+MOST_WORDS, MOST_OBJECTS, MOST_MEASURED = 3, 16, 8
 AIMS = 6
 """Of one fault, which are tried one after the other; its others are tried beside them."""
 HEX = ("code", "number", "cob_id", "value")
@@ -309,6 +311,31 @@ class Space:
         for name, told, values in _settings(device):
             if told.live:
                 yield from ((node, name, value) for value in self._settable(name, values))
+        for name, values in self._objects(node, device):
+            yield from ((node, name, value) for value in self._settable(name, values))
+
+    def _objects(self, node: str, device: Device) -> Iterator[tuple[str, Sequence[Any]]]:
+        """What is measured, at its ends: a sensor breaks, a sign or a carry is forgotten.
+
+        What the steps of the contract set is theirs.
+        """
+        known = Objects(device.dictionary())
+        theirs = {
+            known.find(name).qualname
+            for step in self._scenario.steps
+            if isinstance(step.action, Set) and step.node == node
+            for name in step.action.settings
+            if name in known
+        }
+        ends = {
+            name: (high, low)
+            for name, (low, high) in islice(device.ranges.items(), MOST_MEASURED)
+            if known.find(name).qualname not in theirs
+        }
+        settings = {entry.name for entry in fields(device.settings)}
+        chosen = [name for name in self._scenario.space.settings if name not in settings]
+        for name in {**dict.fromkeys(filter(device.knows, chosen)), **ends}:
+            yield name, ends.get(name, ())
 
     def _deliveries(self, node: str) -> Iterator[tuple[str, str, Any]]:
         """How it may be delivered."""

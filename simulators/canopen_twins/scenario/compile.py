@@ -207,7 +207,8 @@ def _space(file: schema.ScenarioFile, participants: Participants) -> Space:
             name.one_of("fault", participants.faults, OTHER_WORDS)
     for name in said.settings or ():
         with name.problems.at(name):
-            name.one_of("setting", participants.settings)
+            if not participants.knows(name.text):
+                name.one_of("setting", participants.settings)
     return Space(
         file.weather,
         None if said.faults is None else tuple(name.text for name in said.faults),
@@ -381,7 +382,8 @@ def _condition(said: schema.Seen, node: Item | None, participants: Participants)
     """At the node that is named there, otherwise at the one given."""
     rehearsal = participants.rehearsal(said.node or node, said.place)
     nth = said.nth if isinstance(said, schema.Condition) else 1
-    return Condition(_sign(said, rehearsal), rehearsal.name, nth)
+    missing = said.missing if isinstance(said, schema.Moment) else None
+    return Condition(_sign(said, rehearsal), rehearsal.name, nth, missing)
 
 
 def _sign(said: schema.Sign, node: Rehearsal) -> Matcher:

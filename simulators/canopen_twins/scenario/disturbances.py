@@ -29,7 +29,7 @@ class Disturbances:
         self._bus = resources.bus
         self._watches: list[Watch] = []
         self._timers: list[Timer] = []
-        self._before: dict[str, dict[str, Any]] = {}  # live settings by nodes, as they were
+        self._before: dict[str, dict[str, Any]] = {}  # what was set, by nodes
 
     def start(self) -> None:
         """They are watched for from now on."""
@@ -59,12 +59,12 @@ class Disturbances:
         before = self._before.setdefault(name, {})
         for key in settings:
             if node.device.knows(key):
-                before.setdefault(key, getattr(node.device.settings, key))
+                before.setdefault(key, node.device.current(key))
 
     def heal(self) -> None:
         """Nothing goes wrong any more: faults are cleared, what was set is as before, power is on.
 
-        What has been set of objects, and what the steps of the file do, stays.
+        What the steps of the file do stays.
         """
         for watch in self._watches:
             watch.stop()

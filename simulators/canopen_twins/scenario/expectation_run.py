@@ -40,6 +40,8 @@ class Watch:
         """Whether it goes on."""
         self.again = False
         """Whether it goes on when it has seen it."""
+        self.silence: float | None = None
+        """If it is when they have matched, and then not again for so many seconds."""
         self._parts = parts
         self._node = node
         self._bus = bus
@@ -60,7 +62,9 @@ class Watch:
     def of(cls, condition: Condition, bus: BusEvents, seen: Callable[[str], None]) -> Watch:
         """For a condition, wherever it stands."""
         node = bus.nodes[condition.node]
-        return cls(condition.matcher.parts, node, bus, seen, condition.nth)
+        watch = cls(condition.matcher.parts, node, bus, seen, condition.nth)
+        watch.silence = condition.missing
+        return watch
 
     def listen(self, since: Position) -> None:
         """Take the events from a position on; `seen` is called in the middle of what happens."""
@@ -99,7 +103,18 @@ class Watch:
         self._missing = [other for other in self._missing if other is not part]
         self._told.append(told)
         if not self._missing:
-            self._count(", ".join(self._told))
+            self._matched(", ".join(self._told))
+
+    def _matched(self, told: str) -> None:
+        if self.silence is None:
+            self._count(told)
+            return
+        self._missing, self._told = list(self._parts), []
+        if self._timer is not None:
+            self._timer.cancel()
+        clock = self._bus.clock
+        end = clock.ticks + microseconds(self.silence)
+        self._timer = clock.at_tick(end, partial(self._count, "none came"))
 
     def _count(self, told: str) -> None:
         self._to_come -= 1

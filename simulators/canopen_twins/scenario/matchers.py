@@ -88,9 +88,12 @@ class Condition:
     node: str
     """The name of the node it is about."""
     nth: int = 1
+    missing: float | None = None
+    """If it is the moment when it has not matched again for so many seconds."""
 
     def __str__(self) -> str:
-        return f"{self.matcher}{f' ({self.nth} times)' if self.nth > 1 else ''}"
+        gone = "" if self.missing is None else f" missing for {self.missing:g} s"
+        return f"{self.matcher}{gone}{f' ({self.nth} times)' if self.nth > 1 else ''}"
 
 
 # Frames

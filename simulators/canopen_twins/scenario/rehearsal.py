@@ -33,6 +33,7 @@ class Rehearsal:
         self.name = node.wire.name
         self.objects = Targets(node.device.dictionary())
         self._device = node.device
+        self.knows = node.device.knows
         self._faults = node.faults
         self._seed = seed
 
@@ -141,6 +142,10 @@ class Participants:
     def settings(self) -> set[str]:
         """What can be chosen of any of them."""
         return {name for spec in self.specs.values() for name in _settings(spec.device)}
+
+    def knows(self, name: str) -> bool:
+        """Whether one of them has a setting or an object of this name that can be set."""
+        return any(each.knows(name) for each in self._rehearsals.values())
 
     def _made(self, node: schema.Node) -> tuple[NodeSpec, Device]:
         name = node.device.text

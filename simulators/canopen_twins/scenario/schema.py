@@ -185,13 +185,25 @@ class Never(Sign):
 class Seen(Sign):
     """One thing that is waited for, of a node."""
 
-    rules = (one_of("to wait for", KINDS, "a condition"), beside("from", ("frame",)))
+    rules: ClassVar[tuple[Rule, ...]] = (
+        one_of("to wait for", KINDS, "a condition"),
+        beside("from", ("frame",)),
+    )
 
     node: Name | None = None
     """Of which node; that of the step if it is left out."""
 
 
-class Condition(Seen):
+class Moment(Seen):
+    """One thing that is waited for, or that does not come any more."""
+
+    rules = (*Seen.rules, beside("missing", ("frame", "heartbeat")))
+
+    missing: SomeSeconds | None = None
+    """It has come, and not again for so many seconds: that is the moment."""
+
+
+class Condition(Moment):
     """One thing that is waited for, again and again."""
 
     nth: Annotated[int, whole(1, MOST_TIMES)] = 1
@@ -316,7 +328,7 @@ class Disturbance(Change):
 class Whenever(Table):
     """What is expected every time that something is seen."""
 
-    whenever: Seen
+    whenever: Moment
     """What has to be seen for it to begin."""
     after: Seconds = 0.0
     """Seconds until what is expected begins; none if it is left out."""

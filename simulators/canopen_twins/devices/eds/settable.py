@@ -1,8 +1,9 @@
 """Objects that somebody sets, as settings are: a device measures what is around it."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import fields
 from sys import float_info
+from typing import Any
 
 from canopen.objectdictionary import ODVariable
 from canopen.objectdictionary.datatypes import (
@@ -46,9 +47,34 @@ class Settable(Device):
             slave.data_store[index][subindex] = data
         yield from super().services(slave)
 
+    @property
+    def ranges(self) -> Mapping[str, tuple[int, int]]:
+        """Of what nothing in the device says: by its limits, or all that its type has room for."""
+        names = Objects(self.dictionary())
+        found = {}
+        for address in self.measured:
+            variable = names[address_text(address)]
+            if address in self.objects or variable.data_type not in INTEGER_TYPES:
+                continue
+            least, greatest = bounds(variable) or (0, 0)
+            low = least if variable.min is None else variable.min
+            high = greatest if variable.max is None else variable.max
+            several = names.is_of_several(variable.qualname)
+            name = address_text(address) if several else variable.qualname
+            found[name] = (int(low), int(high))
+        return found
+
     def knows(self, name: str) -> bool:
         """Whether `set` takes something of this name."""
         return super().knows(name) or name in Objects(self.dictionary())
+
+    def current(self, name: str) -> Any:
+        """Of an object, what is in the memory."""
+        if super().knows(name) or self.slave is None:
+            return super().current(name)
+        variable = Objects(self.dictionary()).find(name)
+        entry = self.slave.entry(variable.index, variable.subindex)
+        return entry.unpack(self.slave.data_store[variable.index][variable.subindex])
 
     def set(self, /, **given: object) -> None:
         """Change settings and objects while the device runs.
