@@ -45,6 +45,10 @@ def test_it_is_expected_every_time(judged):
     assert judged(f"{STOPS}{ONCE}{error(3)}{command(3.4, 0)}") == [(5, "3 times", "PASS")]
 
 
+def test_an_error_is_an_emcy_but_for_those_that_tell_of_its_end(judged):
+    assert judged(f"{STOPS.replace('emcy: any', 'emcy: error')}{ONCE}") == [(5, "once", "PASS")]
+
+
 def test_the_first_time_that_fails_is_told_when_it_fails(judged):
     assert judged(f"{STOPS}{ONCE}{error(3)}{command(3.4, 2)}") == [
         (5, "only Run command = 2", "FAIL")

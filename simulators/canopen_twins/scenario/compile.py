@@ -395,7 +395,7 @@ def _sign(said: schema.Sign, node: Rehearsal) -> Matcher:
 
 def _emcy(said: str | schema.Emcy, *_: object) -> Matcher:
     if isinstance(said, str):
-        return EmcyLike()
+        return EmcyLike(of_error=said == schema.ERROR)
     if said.code is not None and DECIMAL_CODE.fullmatch(text := said.item_of("code").text):
         told = f"{text} is decimal, 0x{said.code:04X}: write 0x{text} if you mean that code"
         said.item_of("code").remark(told)

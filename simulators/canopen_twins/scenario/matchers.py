@@ -109,6 +109,7 @@ COMMANDS: Mapping[str, int] = {
 }
 NAMES = {command: name for name, command in COMMANDS.items()}
 COMMAND_LENGTH = 2
+FIRST_ERROR = 0x0100
 
 
 class FrameMatcher(Matcher):
@@ -205,16 +206,19 @@ class EmcyLike(FrameMatcher):
     register: int | None = None
     detail: int | None = None
     """The manufacturer-specific error field, its first byte the lowest."""
+    of_error: bool = False
+    """Whether those are left out that tell of an end: 00xxh, error reset or no error (CiA 301)."""
 
     expected = ExpectedEmcy()
 
     def fits(self, frame: Frame, node: Node) -> bool:
         """Field by field."""
-        return self.is_like(frame, node) and all(
-            wanted in (None, found)
-            for wanted, found in zip(
-                (self.code, self.register, self.detail), _fields(frame), strict=True
-            )
+        if not self.is_like(frame, node):
+            return False
+        fields = _fields(frame)
+        wanted = (self.code, self.register, self.detail)
+        return not (self.of_error and fields[0] < FIRST_ERROR) and all(
+            each in (None, found) for each, found in zip(wanted, fields, strict=True)
         )
 
     def is_like(self, frame: Frame, node: Node) -> bool:
@@ -226,6 +230,8 @@ class EmcyLike(FrameMatcher):
         return _emcy(*_fields(frame))
 
     def __str__(self) -> str:
+        if self.of_error:
+            return "EMCY of an error"
         any_emcy = self == EmcyLike()
         return "EMCY" if any_emcy else f"EMCY {_emcy(self.code, self.register, self.detail)}"
 

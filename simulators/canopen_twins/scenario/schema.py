@@ -50,7 +50,7 @@ from canopen_twins.scenario.scenario import EndsWith
 from canopen_twins.scenario.sdo_client import ACCEPTED
 from canopen_twins.slave.service import State
 
-ANY, NONE, MASTER = "any", "none", "master"
+ANY, NONE, MASTER, ERROR = "any", "none", "master", "error"
 STATES: Mapping[str, State] = {state.lower(): state for state in State}
 HEARTBEATS: Mapping[str, str] = {
     **{word: state for word, state in STATES.items() if state is not State.INITIALISING},
@@ -152,12 +152,13 @@ class Sign(Table):
 
     emcy: (
         Annotated[
-            Annotated[str, word("EMCY", {ANY: ANY}), Tag("word")] | Annotated[Emcy, Tag("table")],
+            Annotated[str, word("EMCY", {ANY: ANY, ERROR: ERROR}), Tag("word")]
+            | Annotated[Emcy, Tag("table")],
             WORD_OR_TABLE,
         ]
         | None
     ) = None
-    """The node sends an EMCY: with these fields, or `any`."""
+    """The node sends an EMCY: with these fields, of an `error`, or `any`."""
     frame: FrameShape | None = None
     """The node sends a frame as cansend writes it: x is any digit, * at the end any rest."""
     heartbeat: Annotated[str, word("heartbeat", HEARTBEATS)] | None = None
@@ -221,13 +222,13 @@ class Expect(Sign):
 
     emcy: (
         Annotated[
-            Annotated[str, word("EMCY", {NONE: NONE, ANY: ANY}), Tag("word")]
+            Annotated[str, word("EMCY", {NONE: NONE, ANY: ANY, ERROR: ERROR}), Tag("word")]
             | Annotated[Emcy, Tag("table")],
             WORD_OR_TABLE,
         ]
         | None
     ) = None
-    """The node sends an EMCY: with these fields, `any`, or `none` at all."""
+    """The node sends an EMCY: with these fields, of an `error`, `any`, or `none` at all."""
     heartbeat: Annotated[str, word("heartbeat", {**HEARTBEATS, NONE: NONE})] | None = None
     """The node sends a heartbeat with this state, `any`, or `none` at all."""
     silence: Always | None = None
