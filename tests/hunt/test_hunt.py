@@ -350,6 +350,16 @@ def test_everything_goes_wrong_first_when_all_is_well(tmp_path):
     assert {each.get("at") for each in by_itself if each["node"] == "left"} == {1.0}
 
 
+def test_other_values_of_a_fault_of_the_device_do_not_wait_for_its_default(tmp_path):
+    (tmp_path / "two.yaml").write_text(TWO)
+    events = Events(moments={"left": {}, "right": {}})
+    space = Space(Contract(tmp_path / "two.yaml").scenario(Plan()), events)
+    firsts = [next(source, Plan()).disturbances for source in space.singles()]
+    mains = {"at": 1.0, "node": "left", "inject": {"mains": {"volts": 300.0}}}
+    assert ({**mains, "inject": "mains"},) in firsts
+    assert (mains,) in firsts
+
+
 IO_BLOCK = Path(__file__).parents[2] / "docs" / "examples" / "io-block" / "io_block.eds"
 EDS_CONTRACT = """\
 version: 1

@@ -132,6 +132,7 @@ class Space:
     def singles(self) -> list[Iterator[Plan]]:
         """Every fault by itself; what is much alike is together, the simple and early first."""
         found = [self._of(option) for option in self.options]
+        found += [self._others_of(option) for option in self.options if self._has_others(option)]
         found += [self._set(*change) for change in self.changes]
         found += [source for option in self.options for source in self._aimed(option)]
         plans = [(Plan((each,)) for each in source) for source in found]
@@ -140,6 +141,14 @@ class Space:
     def _of(self, option: Option) -> Iterator[Disturbance]:
         moments = self._in_turn(option.node)
         return self._ranked(option, moments, option.parameters, (1, 3, 4))
+
+    def _others_of(self, option: Option) -> Iterator[Disturbance]:
+        """What the default of a device's own fault changes nothing in, another value may."""
+        return self._ranked(option, self._in_turn(option.node), option.parameters[1:], (3, 1, 4))
+
+    def _has_others(self, option: Option) -> bool:
+        faults = self._nodes[option.node].device.faults
+        return option.fault in faults and len(option.parameters) > 1
 
     def _in_turn(self, node: str) -> Sequence[Disturbance]:
         """First when all is well and settled, as most things do in life, then at its events."""
