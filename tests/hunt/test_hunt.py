@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 import sys
+from itertools import islice
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -348,6 +349,23 @@ def test_everything_goes_wrong_first_when_all_is_well(tmp_path):
     firsts = [next(source).disturbances for source in space.singles()]
     by_itself = [one[0] for one in firsts if one and "frame" not in str(one[0].get("inject"))]
     assert {each.get("at") for each in by_itself if each["node"] == "left"} == {1.0}
+
+
+def test_what_strikes_once_lasts_the_second_time(tmp_path):
+    (tmp_path / "two.yaml").write_text(TWO)
+    events = Events(moments={"left": {"{}": [0.0]}, "right": {}}, conditions={"{}": {}})
+    space = Space(Contract(tmp_path / "two.yaml").scenario(Plan()), events)
+    (source,) = [
+        [plan.disturbances[0] for plan in islice(source, 50)]
+        for source, option in zip(space.singles(), space.options, strict=False)
+        if (option.node, option.fault) == ("left", "pdo_missing")
+    ]
+    moment = {"at": 1.0, "node": "left"}
+    assert source[:2] == [
+        {**moment, "inject": {"pdo_missing": {"times": 1}}},
+        {**moment, "inject": "pdo_missing"},
+    ]
+    assert len({*map(repr, source)}) == len(source)
 
 
 def test_other_values_of_a_fault_of_the_device_do_not_wait_for_its_default(tmp_path):

@@ -139,8 +139,15 @@ class Space:
         return [*plans, iter([Plan(arbitration=name) for name in self.arbitrations])]
 
     def _of(self, option: Option) -> Iterator[Disturbance]:
+        """What strikes once comes second as what lasts: only that makes what is known old."""
         moments = self._in_turn(option.node)
-        return self._ranked(option, moments, option.parameters, (1, 3, 4))
+        plans = self._ranked(option, moments, option.parameters, (1, 3, 4))
+        once, *others = option.parameters
+        lasting = [each for each in others[:1] if "times" in once and "times" not in each]
+        second = [option.at(moments[0], each, None) for each in lasting if moments]
+        yield from islice(plans, 1)
+        yield from second
+        yield from (each for each in plans if each not in second)
 
     def _others_of(self, option: Option) -> Iterator[Disturbance]:
         """What the default of a device's own fault changes nothing in, another value may."""
