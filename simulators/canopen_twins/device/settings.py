@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import Field, dataclass, field, fields, replace
+from functools import cache
 from math import inf, isfinite
 from types import UnionType
 from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
@@ -73,7 +74,7 @@ def declaration(entry: "Field[Any]", settings: type) -> Mapping[str, object]:
     The type is one of boolean, integer, number, text and choice; None is for an end that there is
     not, and for `none` where it is optional.
     """
-    told, hint = about(entry), get_type_hints(settings)[entry.name]
+    told, hint = about(entry), _types(settings)[entry.name]
     options = get_args(hint)
     choices = list(options) if get_origin(hint) is Literal else []
     optional = isinstance(hint, UnionType)
@@ -98,7 +99,7 @@ def changed(settings: Settings, given: Mapping[str, object], *, live: bool = Fal
         UserError: an unknown name, a value of the wrong type or out of its range, or, with
             `live`, a setting that cannot change while the device runs.
     """
-    types = get_type_hints(type(settings))
+    types = _types(type(settings))
     known = {entry.name: entry for entry in fields(settings)}  # type: ignore[arg-type]
     for name in given:
         if name not in known:
@@ -109,6 +110,12 @@ def changed(settings: Settings, given: Mapping[str, object], *, live: bool = Fal
     for name, value in converted.items():
         _check_range(name, value, about(known[name]))
     return replace(settings, **converted)  # type: ignore[type-var]
+
+
+@cache
+def _types(settings: type) -> Mapping[str, Any]:
+    """Of its fields; they are worked out from texts, which takes longer than all the rest."""
+    return get_type_hints(settings)
 
 
 def _convert(name: str, value: object, kind: Any) -> object:

@@ -49,11 +49,13 @@ def rows_of(build: Build) -> Sequence[Row]:
     return [row for row in table() if not row.variants or variant in row.variants.split()]
 
 
+@cache
 def addresses(build: Build) -> Collection[Address]:
     """Where it has entries."""
     return {(int(row.index, 16), int(row.sub or "0", 16)) for row in rows_of(build) if row.type}
 
 
+@cache
 def factory(kind: Type) -> Mapping[Parameter, int]:
     """The factory setting of every parameter that the model knows, whatever the variant."""
     defaults = {row.sub: row.default for row in table() if row.index == PARAMETERS}

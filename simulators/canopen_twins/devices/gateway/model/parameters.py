@@ -86,6 +86,7 @@ class Catalogue:
 
     def __init__(self, parameters: Iterable[Parameter]) -> None:
         self._table: dict[Unit, dict[int, Parameter]] = {unit: {} for unit in Unit}
+        self._defaults: dict[tuple[Unit, bool], dict[int, float]] = {}
         for parameter in parameters:
             table = self._table[parameter.control_unit]
             if parameter.number in table:
@@ -95,6 +96,13 @@ class Catalogue:
     def of(self, unit: Unit) -> Mapping[int, Parameter]:
         """The parameters of one unit by number."""
         return self._table[unit]
+
+    def defaults(self, unit: Unit, *, writable: bool) -> dict[int, float]:
+        """Of its parameters that are set, or of those that are only shown; nobody changes it."""
+        if (unit, writable) not in self._defaults:
+            wanted = [each for each in self.of(unit).values() if each.writable == writable]
+            self._defaults[unit, writable] = {each.number: each.default for each in wanted}
+        return self._defaults[unit, writable]
 
     def find(self, unit: Unit, key: int | str) -> Parameter:
         """The parameter with this number or name.
@@ -178,10 +186,10 @@ def _number(text: str) -> float:
 class Store:
     """A changed value acts after it was saved and the unit was reset; otherwise it is lost (7)."""
 
-    def __init__(self, parameters: Mapping[int, Parameter]) -> None:
-        self._defaults = {n: each.default for n, each in parameters.items() if each.writable}
+    def __init__(self, defaults: dict[int, float]) -> None:
+        self._defaults = defaults
         self._edited: dict[int, float] = {}
-        self._effective = dict(self._defaults)
+        self._effective = defaults
         self._damaged = False  # what was saved could not be read at the last start
         self.saved: dict[int, float] = {}
         """What is kept without power, where it differs from the default."""

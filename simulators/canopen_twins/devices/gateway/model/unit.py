@@ -188,15 +188,16 @@ class ControlUnit(ABC, Generic[P]):
         """Main cycle, us."""
         self.boot_time = microseconds(around.options.boot_time)
         """Bootloader tests and start of the programme, us (9.3)."""
-        self.parameters = around.tables.catalogue.of(self.which)
-        self.store = Store(self.parameters)
+        catalogue = around.tables.catalogue
+        self.parameters = catalogue.of(self.which)
+        self.store = Store(catalogue.defaults(self.which, writable=True))
         self.memory = errors.ErrorMemory()
         self.exception = (0, 0, 0, 0)
         """3195 to 3198 of the permanent memory: number, address low and high, flags."""
         self.bootloader = Bootloader()
         self.wiring = Wiring(self.link, self.link.to[self.partner])
         self._lowest_voltage = around.options.lowest_voltage
-        self.shown = {n: each.default for n, each in self.parameters.items() if not each.writable}
+        self.shown = {**catalogue.defaults(self.which, writable=False)}
         """Measurements nothing in the model makes."""
         self.supply = NORMAL_SUPPLY
         """V"""
