@@ -4,6 +4,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from math import inf
 from pathlib import Path
+from typing import NamedTuple
 
 from canopen import ObjectDictionary
 
@@ -26,6 +27,7 @@ from canopen_twins.slave.error_control import (
 from canopen_twins.slave.lss import LssSlave
 from canopen_twins.slave.nmt import Nmt, Reset
 from canopen_twins.slave.object import COMMUNICATION_AREA, Address, Object
+from canopen_twins.slave.profile import Profile
 from canopen_twins.slave.sdo_server import FurtherSdoServer, SdoServer
 from canopen_twins.slave.service import Handler, Service, State
 from canopen_twins.slave.slave import Slave
@@ -200,6 +202,15 @@ def _services(
 EVERYTHING = range(0x1000, 0x10000)
 
 
+class Ahead(NamedTuple):
+    """What is ready of the next boot, as long as nothing happens to the device."""
+
+    dictionary: ObjectDictionary
+    node_id: int
+    profile: Profile
+    slave: Slave | None = None
+
+
 class Node:
     """A device with power on or off; it needs a clock and somebody who empties the outbox."""
 
@@ -214,7 +225,8 @@ class Node:
         self.powered = False
         self._stack: Stack | None = None  # none: silent, whatever the reason
         self._before: Slave | None = None
-        self._booting: Timer | None = None  # the end of the boot time, while it lasts
+        self._booting: list[Timer] = []  # the end of the boot time, and what is done ahead of it
+        self._ahead: Ahead | None = None
         self._afresh = True  # the next boot is one of the application, not of communication alone
         self.log = EmcyLog()
         self.listeners: list[Callable[[State], None]] = [device.on_state]  # hear of every state
@@ -244,7 +256,7 @@ class Node:
     @property
     def booting(self) -> bool:
         """Whether it is silent because it takes its time to boot."""
-        return self._booting is not None
+        return bool(self._booting)
 
     @property
     def node_id(self) -> int:
@@ -355,7 +367,10 @@ class Node:
                 stack.measurement.refresh(due)
         if self.clock.ticks - self._stepped >= self._cycle:
             stepped = self._step_to(self.clock.ticks)
-        return stepped and self._stepped >= self._wake  # until then it rests
+        if not (stepped and self._stepped >= self._wake):  # until then it rests
+            return False
+        self._ahead = None
+        return True
 
     def _step_to(self, tick: int) -> bool:
         elapsed = tick - self._stepped
@@ -370,6 +385,7 @@ class Node:
 
     def _settle(self) -> None:
         self._changed = self.clock.ticks
+        self._ahead = None
         self._follow()
         if self._stack is not None:
             self._stack.publish()
@@ -442,31 +458,50 @@ class Node:
 
     def _start(self) -> None:
         """Boot when the boot time is over."""
-        if self._booting is not None:
+        if self._booting:
             return
         if boot_time := self.device.timing.boot_time:
-            self._booting = self.clock.after(boot_time, self._end_booting)
+            end = self.clock.ticks + microseconds(boot_time)
+            parts = (self._read_ahead, self._make_ahead, self._end_booting)
+            self._booting = [
+                self.clock.at_tick(end - left, part)
+                for left, part in zip((2, 1, 0), parts, strict=True)
+            ]
         else:
             self._boot()
 
+    def _read_ahead(self) -> None:
+        """A boot takes ms of real time: frames for others may be answered between its parts."""
+        device = self.device
+        self._ahead = Ahead(device.dictionary(), device.node_id, device.profile)
+
+    def _make_ahead(self) -> None:
+        if self._ahead is not None:
+            self._ahead = self._ahead._replace(slave=self._slave(*self._ahead[:3]))
+
     def _end_booting(self) -> None:
-        self._booting = None
+        self._booting = []
         self._catch_up()
         if self.device.online:
             self._boot()
         self._settle()
 
     def _stop_booting(self) -> None:
-        if self._booting is not None:
-            self._booting.cancel()
-            self._booting = None
+        for timer in self._booting:
+            timer.cancel()
+        self._booting, self._ahead = [], None
+
+    def _slave(self, dictionary: ObjectDictionary, node_id: int, profile: Profile) -> Slave:
+        slave = Slave(dictionary, node_id, self.wire, Scope(self.clock, self._on_time), profile)
+        slave.stepped = lambda: self._stepped
+        return slave
 
     def _boot(self) -> None:
         """A fresh slave from the EDS and the stored parameters."""
-        device = self.device
-        scope = Scope(self.clock, self._on_time)
-        slave = Slave(device.dictionary(), device.node_id, self.wire, scope, device.profile)
-        slave.stepped = lambda: self._stepped
+        device, slave = self.device, self._ahead and self._ahead.slave
+        if slave is None:
+            slave = self._slave(device.dictionary(), device.node_id, device.profile)
+        slave.active_at = self.clock.ticks
         if self._afresh:
             self.log = EmcyLog()
         elif self._before is not None:

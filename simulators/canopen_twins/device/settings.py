@@ -99,7 +99,7 @@ def changed(settings: Settings, given: Mapping[str, object], *, live: bool = Fal
         UserError: an unknown name, a value of the wrong type or out of its range, or, with
             `live`, a setting that cannot change while the device runs.
     """
-    types = _types(type(settings))
+    types = _types(type(settings))  # type: ignore[arg-type]
     known = {entry.name: entry for entry in fields(settings)}  # type: ignore[arg-type]
     for name in given:
         if name not in known:
