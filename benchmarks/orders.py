@@ -57,7 +57,8 @@ class Held:
                 self._pass(0.3)
         for name in scenarios():
             if name.startswith(device):
-                self._scenario(name)
+                for _ in range(GOES):
+                    self._scenario(name)
 
     def _pass(self, seconds: float) -> None:
         self._segment.advance_to(self._segment.clock.now + seconds)

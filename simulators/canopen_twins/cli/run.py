@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import gc
 import json
 import logging
 from collections.abc import Iterator, Mapping
@@ -42,6 +41,7 @@ from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
 from canopen_twins.faults import connect
 from canopen_twins.files.whole import held
+from canopen_twins.live import garbage
 from canopen_twins.live.bus import OpenBus, with_node_id_check
 from canopen_twins.live.hub_process import Hub
 from canopen_twins.live.master_process import MasterProcess
@@ -208,14 +208,15 @@ def _serve(
         watch = MasterWatch(segment, run.player)
 
         def on_the_bus() -> None:
-            gc.freeze()  # a search for garbage in all that has been imported would hold up answers
             print(json.dumps(ready), flush=True)
             told.start()
             watch.start()
             segment.clock.after(LONGEST_START, partial(_tell_silent, segment))
             end.begin()
 
-        serve(segment, _opening(bus, segment, options.exclusive), end, on_the_bus, control.orders)
+        open_bus = _opening(bus, segment, options.exclusive)
+        with garbage.in_portions():
+            serve(segment, open_bus, end, on_the_bus, control.orders)
 
 
 def _catches_up(options: argparse.Namespace, scenario: Scenario | None) -> bool:

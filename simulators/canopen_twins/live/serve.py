@@ -6,6 +6,7 @@ from collections.abc import Callable
 from canopen_twins.bus.clock import microseconds
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
+from canopen_twins.live import garbage
 from canopen_twins.live.bus import OpenBus, ReopenedBus, steady
 from canopen_twins.live.orders import Orders
 from canopen_twins.live.port import LONGEST_WAIT
@@ -72,7 +73,10 @@ def drive(
         left = 0.0 if busy else due - passed
         if 0.0 < left < 2 * LONGEST_WAIT:  # it matters what has passed since the clock was asked
             left = due - wall() + origin
-        frame = receive(LONGEST_WAIT if left > LONGEST_WAIT else max(left, 0.0))
+        quiet = left > LONGEST_WAIT
+        frame = receive(LONGEST_WAIT if quiet else max(left, 0.0))
+        if quiet and frame is None:
+            garbage.search_while_quiet()
         passed = wall() - origin
         gap = passed - reached
         if gap > LONGEST_GAP:

@@ -9,7 +9,6 @@ Needs the extra `control`. What is asked is done by the thread of the twins (`li
 spoken by a thread of its own.
 """
 
-import gc
 import socket
 import sys
 from collections.abc import Iterator
@@ -103,19 +102,13 @@ def _server(
 
 @contextmanager
 def _twins_first() -> Iterator[None]:
-    """The twins have Python back soon after they want it, and no search for garbage holds them up.
-
-    All that has been imported for the port would take such a search 50 ms.
-    """
+    """The twins have Python back soon after they want it."""
     before = sys.getswitchinterval()
-    gc.collect()
-    gc.freeze()
     sys.setswitchinterval(LONGEST_HOLD)
     try:
         yield
     finally:
         sys.setswitchinterval(before)
-        gc.unfreeze()
 
 
 def _listen(address: HubAddress) -> socket.socket:
