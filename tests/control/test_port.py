@@ -32,6 +32,12 @@ def test_a_fault_comes_and_goes_at_a_moment_that_is_told(port):
     assert port.get("/nodes/topcon").body["faults"] == []
 
 
+def test_a_second_device_on_the_bus_is_no_node_to_be_named(port):
+    before = [node["name"] for node in port.get("/nodes").body]
+    port("POST", "/nodes/topcon/faults/duplicate_node_id")
+    assert [node["name"] for node in port.get("/nodes").body] == before
+
+
 def test_parameters_of_a_fault_come_in_the_body(port):
     port("POST", "/nodes/topcon/faults/heartbeat_late", {"seconds": 0.5})
     (fault,) = port.get("/nodes/topcon").body["faults"]

@@ -106,3 +106,11 @@ def test_one_for_the_device_of_a_file_is_found_by_the_name_of_the_file(port):
     assert answer.status in (200, 422), answer
     if answer.status == 200:
         assert over(port)["verdict"] == "PASS"
+
+
+def test_it_is_about_the_node_of_its_name_with_a_second_device_on_the_bus(port):
+    port("POST", "/nodes/topcon/faults/duplicate_node_id")
+    port("POST", "/scenario", {"text": STORY.partition("cleanup:")[0]})
+    assert over(port)["verdict"] == "PASS"
+    names = [fault["name"] for fault in port.get("/nodes/topcon").body["faults"]]
+    assert names == ["duplicate_node_id", "interlock_open"]

@@ -94,3 +94,13 @@ def test_consumers_from_the_beginning_wait_for_the_breaker():
     assert bench.device.report["load [kW]"] == 0.0
     bench.run(15.0)
     assert (speed(bench), bench.device.report["load [kW]"]) == (1500.0, 50.0)
+
+
+def test_settings_that_are_refused_leave_both_units_as_they_were():
+    bench = Bench("gateway", node_id=5)
+    bench.power_off()
+    with pytest.raises(UserError, match=r"overspeed: 1 rpm is not above"):
+        bench.power_on(overspeed=1)
+    assert bench.report["governor"] == "switched off"
+    bench.power_on()
+    assert bench.run(1.0)[0] == "705#00"

@@ -46,8 +46,16 @@ def read_text(name: str, text: str, nodes: Sequence[Node]) -> Scenario:
             scenario = load(path, find)
         except UserError as mistakes:
             raise UserError(str(mistakes).replace(str(path), file)) from None
-    _check(scenario, {node.wire.name: node for node in nodes}, file)
+    _check(scenario, _by_name(nodes), file)
     return replace(scenario, file=Path(file))
+
+
+def _by_name(nodes: Sequence[Node]) -> dict[str, Node]:
+    """A second device that a fault has put on the bus comes after the one whose name it has."""
+    named: dict[str, Node] = {}
+    for node in nodes:
+        named.setdefault(node.wire.name, node)
+    return named
 
 
 def _check(scenario: Scenario, nodes: dict[str, Node], file: str) -> None:
@@ -63,7 +71,7 @@ def start_now(segment: Segment[Node], scenario: Scenario, text: str) -> Player:
     segment.advance_to(segment.clock.now)
     for listener in segment.order_listeners:
         listener("", START, (str(scenario.file), text))
-    player = Player(scenario, segment, {node.wire.name: node for node in segment.nodes})
+    player = Player(scenario, segment, _by_name(segment.nodes))
     player.start()
     return player
 

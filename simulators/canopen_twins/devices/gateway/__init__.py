@@ -47,11 +47,6 @@ class Device(device.Device):
     profile = PROFILE
     cycle = GRID * MICROSECOND
 
-    def configure(self, /, **given: object) -> None:
-        """Deliver both units with these settings."""
-        self.units = Units()
-        super().configure(**given)
-
     def check(self) -> None:
         """What the files say, and whether the times fit."""
         delivery.system(self.settings)
@@ -70,7 +65,9 @@ class Device(device.Device):
 
     def make_model(self) -> None:
         """Both units as delivered, with what the memory has kept."""
-        self.units.renew(self.settings, self.memory, self.timing)
+        units = Units()
+        units.renew(self.settings, self.memory, self.timing)
+        self.units = units  # settings that are refused leave those before
 
     def apply(self) -> None:
         """What surrounds the engine follows at once."""

@@ -207,8 +207,7 @@ def _add_scenario(app: FastAPI, desk: Desk) -> None:
     async def start(start: Start) -> Any:
         """Start a scenario beside the master, one at a time."""
         text = start.text if start.text is not None else _shipped(start.name)
-        nodes = desk.segment.nodes
-        scenario = await asyncio.to_thread(read_text, start.name, text, nodes)
+        scenario = await asyncio.to_thread(read_text, start.name, text, desk.segment.nodes)
         moment = await desk.ask(lambda: desk.scenarios.start(scenario, text))
         desk.look_after_scenario()
         return Json(Done(moment))
@@ -248,7 +247,7 @@ def _add_nodes(app: FastAPI, desk: Desk) -> None:
     @app.get("/nodes", response_model=list[schema.NodeName])
     async def nodes() -> Any:
         """The nodes there are, in the order in which they hear a frame."""
-        return Json(await desk.ask(lambda: [view.node_name(node) for node in desk.segment.nodes]))
+        return Json(await desk.ask(lambda: [*map(view.node_name, desk.nodes.values())]))
 
     @app.get("/nodes/{node:path}", response_model=schema.NodeState)
     async def state(node: str) -> Any:
