@@ -27,7 +27,7 @@ from canopen_twins.live.control import view
 from canopen_twins.live.orders import Portions
 from canopen_twins.scenario.started import read_text, start_now, stop_now
 
-GOES = 5
+GOES = 3
 NAMES = ("topcon", "charger", "gateway")
 
 
