@@ -26,6 +26,7 @@ from canopen_twins.bus.hub.protocol import HubAddress
 from canopen_twins.files.shipped import od_file
 
 ROUNDS, READS, PAUSE = 10, 300, 0.0005
+PATIENCE = 10.0  # seconds; a busy machine stands still for more than the 0.3 of canopen
 HEADERS = {"Content-Type": "application/json"}
 LOADS = {
     "state": [("GET", "/nodes/topcon")],
@@ -69,7 +70,9 @@ def _bus() -> Iterator[tuple[canopen.RemoteNode, dict[str, str]]]:
         network = stack.enter_context(canopen.Network(bus))
         network.connect()
         path = stack.enter_context(od_file("topcon.eds"))
-        yield network.add_node(peers.NODE_ID, str(path)), {"here": here, "elsewhere": elsewhere}
+        node = network.add_node(peers.NODE_ID, str(path))
+        node.sdo.RESPONSE_TIMEOUT = PATIENCE
+        yield node, {"here": here, "elsewhere": elsewhere}
 
 
 def _round(node: canopen.RemoteNode, name: str, port: str | None) -> tuple[float, float, float]:

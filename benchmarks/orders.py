@@ -23,6 +23,7 @@ from canopen_twins.diagnosis.why import why
 from canopen_twins.errors import UserError
 from canopen_twins.faults import connect
 from canopen_twins.files.shipped import scenario_file, scenarios
+from canopen_twins.live import garbage
 from canopen_twins.live.control import view
 from canopen_twins.live.orders import Portions
 from canopen_twins.scenario.started import read_text, start_now, stop_now
@@ -43,7 +44,10 @@ class Held:
         self._node.power_on()
         self._pass(30)
         gc.collect()
-        gc.freeze()
+        with garbage.in_portions():  # as a run has it
+            self._measure(device)
+
+    def _measure(self, device: str) -> None:
         for _ in range(GOES):
             self._supply()
             self._look()

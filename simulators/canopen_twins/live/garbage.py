@@ -1,7 +1,7 @@
 """When Python looks for garbage in a process that answers frames: often, and little each time.
 
 A search goes through all that is as old as what it looks for. By Python's own habits that is
-thousands of objects and 5 ms, or tens of thousands and 40 ms, in the middle of whatever makes the
+thousands of objects and 5 ms, or ten thousands and 40 ms, in the middle of whatever makes the
 next object: an order, or a boot, whose slave before it is garbage.
 """
 
