@@ -11,6 +11,7 @@ class Master:
         self.bench = bench
         self.pause = pause
         self.node = bench.node_id
+        self.boot_up = f"{0x700 + self.node:03X}#00"
 
     def send(self, base, data):
         return self.bench.send(f"{base + self.node if base >= 0x180 else base:03X}#{data}")
@@ -49,9 +50,14 @@ class Master:
     def nmt(self, command):
         self.send(0, f"{command:02X}{self.node:02X}")
 
+    def reset(self):
+        """NMT reset node, until it has booted: at once, or later."""
+        if self.boot_up not in self.send(0, f"81{self.node:02X}"):
+            self.wait_for_boot_up()
+
     def wait_for_boot_up(self):
         for _ in range(1000):
-            if f"{0x700 + self.node:03X}#00" in self.bench.run(PAUSE):
+            if self.boot_up in self.bench.run(PAUSE):
                 return
 
 
@@ -93,8 +99,7 @@ def supply(bench, pause=PAUSE):
     master.run(0.3)
     master.nmt(0x80)
     master.run(0.2)
-    master.nmt(0x81)
-    master.wait_for_boot_up()
+    master.reset()
     master.run(1.1)
     master.read(*IDENTITY[:2], *SET_VALUES)
 
@@ -198,8 +203,7 @@ def charging(bench):
     master.run(0.5)
     master.nmt(0x80)
     master.run(0.3)
-    master.nmt(0x81)
-    master.wait_for_boot_up()
+    master.reset()
     master.run(1.2)
     master.read((0x1000, 0), (0x1017, 0))
 
@@ -213,6 +217,5 @@ def governing(bench):
     master.nmt(0x01)
     master.run(1.0)
     master.read((0x1001, 0), (0x2000, 0), (0x2005, 0))
-    master.nmt(0x81)
-    master.wait_for_boot_up()
+    master.reset()
     master.run(0.5)
