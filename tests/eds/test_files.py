@@ -3,6 +3,7 @@
 import pytest
 
 from canopen_twins.errors import UserError
+from canopen_twins.files.sections import decoded
 from canopen_twins.slave.eds.reader import read_eds
 
 from .conftest import FILES
@@ -50,6 +51,13 @@ def test_an_empty_number_of_device_info_is_told_with_its_line(read):
 def test_a_padded_number_is_decimal(read):
     information = read("02_device_info_number_with_leading_zeros.eds").eds.dictionary
     assert information.device_information.vendor_number == 1
+
+
+def test_no_byte_of_a_file_is_lost():
+    left_open = {0x81, 0x8D, 0x8F, 0x90, 0x9D}  # by Windows-1252
+    for byte in range(0x80, 0x100):
+        encoding = "latin-1" if byte in left_open else "cp1252"
+        assert decoded(b"a%c" % byte) == "a" + bytes([byte]).decode(encoding)
 
 
 def test_umlauts_are_there_whatever_wrote_them(read):

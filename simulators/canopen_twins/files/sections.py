@@ -6,6 +6,7 @@ all of that is taken, and remarked upon where somebody may have meant something 
 """
 
 import re
+from codecs import charmap_decode
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
@@ -184,7 +185,7 @@ def decoded(content: bytes) -> str:
     try:
         return content.decode("utf-8")
     except UnicodeDecodeError:
-        return "".join(_windows(byte) for byte in content)
+        return charmap_decode(content, "strict", WINDOWS)[0]
 
 
 def _windows(byte: int) -> str:
@@ -192,6 +193,9 @@ def _windows(byte: int) -> str:
         return bytes((byte,)).decode("cp1252")
     except UnicodeDecodeError:
         return chr(byte)
+
+
+WINDOWS = "".join(map(_windows, range(256)))
 
 
 def _short(line: str) -> str:
