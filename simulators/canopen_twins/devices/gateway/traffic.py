@@ -60,6 +60,8 @@ class Traffic(Service):
         self._tpdos = {n: pdo.identifier for n, pdo in known.tpdos.items()} if known else {}
         self._told = known.tpdos if known else {}
         self._measured = frozenset(measured)
+        self._framed: dict[int, tuple[TpdoFrame, Frame]] = {}  # the last of each, as it was sent
+        self._heartbeats = identifiers.heartbeat(slave.node_id)
         self._late: dict[type[Sent] | int, Sent] = {}  # the newest of each, while time is made up
         self._timer: Timer | None = None
         self._due = NEVER  # microsecond of the clock
@@ -125,15 +127,25 @@ class Traffic(Service):
             self.slave.send(self._frame(message))
 
     def _frame(self, message: Sent) -> Frame:
-        heartbeats = identifiers.heartbeat(self.slave.node_id)
         match message:
-            case TpdoFrame(number, words):
-                shown = self._shown(number, words) if self._measured else words
-                return Frame(self._tpdos[number], struct.pack(f"<{len(shown)}H", *shown))
+            case TpdoFrame():
+                return self._tpdo(message)
             case Heartbeat(state):
-                return Frame(heartbeats, bytes([STATE_BYTE[STATES[state]]]))
+                return Frame(self._heartbeats, bytes([STATE_BYTE[STATES[state]]]))
             case BootUp():
-                return Frame(heartbeats, b"\0")
+                return Frame(self._heartbeats, b"\0")
+
+    def _tpdo(self, message: TpdoFrame) -> Frame:
+        """A model at rest says the very same again and again: that is one frame."""
+        number, words = message
+        before = self._framed.get(number)
+        if before is not None and before[0] is message:
+            return before[1]
+        shown = self._shown(number, words) if self._measured else words
+        frame = Frame(self._tpdos[number], struct.pack(f"<{len(shown)}H", *shown))
+        if not self._measured:
+            self._framed[number] = message, frame
+        return frame
 
     def _shown(self, number: int, words: Sequence[int]) -> Sequence[int]:
         """What a master would read at this moment, where it is measured."""
