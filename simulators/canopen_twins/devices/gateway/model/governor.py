@@ -156,13 +156,14 @@ class GovernorProgramme(Programme):
         """Main cycles until something is missed; NEVER if nothing is waited for."""
         return self.inputs.patience if self.state is GatewayState.OPERATIONAL else NEVER
 
-    def tpdos_in(self, cycle: int) -> list[int]:
-        """The TPDOs of a main cycle, as they are counted by `served`."""
-        return [number for number, period in self._periods if cycle % period == 0]
+    def tpdos_after(self, cycle: int) -> tuple[int, list[int]]:
+        """The next main cycle after one, as `served` counts them, that has TPDOs, and which.
 
-    def next_with_tpdos(self, cycle: int) -> int:
-        """The next main cycle after one in which there are any; NEVER if there is none."""
-        return min([cycle + period - cycle % period for _, period in self._periods], default=NEVER)
+        NEVER and none if there is no such cycle.
+        """
+        following = [(cycle + period - cycle % period, n) for n, period in self._periods]
+        first = min(following)[0] if following else NEVER
+        return first, [number for due, number in following if due == first]
 
     def tpdos_among(self, cycles: int) -> Iterator[int]:
         """The TPDOs of the next main cycles, each but once."""

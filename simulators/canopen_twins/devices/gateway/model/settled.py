@@ -51,6 +51,7 @@ class Settled:
         self._frames: dict[int, TpdoFrame] = {}  # by number, as long as it is at rest
         self._untaken: set[int] = set()  # those that have not come since
         self._cycle = 0  # main cycle of the governor with the next of them
+        self._numbers: list[int] = []  # which those are
         self.next_tpdos = NEVER
         """When the next of them are due, us; NEVER without rest."""
 
@@ -173,7 +174,7 @@ class Settled:
             return
         governor, gateway = self._resting
         while self.next_tpdos <= until:
-            for number in governor.tpdos_in(self._cycle):
+            for number in self._numbers:
                 gateway.canopen.send_tpdo(self._take(gateway, number))
             self._await_tpdos(governor, self._cycle)
 
@@ -189,7 +190,7 @@ class Settled:
 
     def _await_tpdos(self, governor: GovernorProgramme, cycle: int) -> None:
         """After a main cycle."""
-        self._cycle = governor.next_with_tpdos(cycle)
+        self._cycle, self._numbers = governor.tpdos_after(cycle)
         due = self._governor.after(self._cycle - governor.served)
         self.next_tpdos = due + self._to_gateway.delay
 
