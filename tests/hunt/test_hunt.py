@@ -37,7 +37,9 @@ def test_a_careful_master_is_left_in_peace(hunted, tmp_path):
 def test_what_a_lost_answer_ends_is_found_and_told_with_its_line(hunted, tmp_path):
     code, said = hunted(BRITTLE, "--runs", "14")
     assert code == 1
-    assert "SdoCommunicationError: No SDO response received in my_master.py:20" in said
+    assert re.search(
+        "SdoCommunicationError: No SDO response received in my_master.py:(19|20)", said
+    )
     find = yaml.safe_load((tmp_path / "hunt-1.twin.yaml").read_text())
     assert find["steps"] == []  # none of the contract matters
     assert len(find["disturbances"]) == 1

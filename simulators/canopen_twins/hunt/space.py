@@ -140,7 +140,9 @@ class Space:
 
     def _of(self, option: Option) -> Iterator[Disturbance]:
         """What strikes once comes second as what lasts: only that makes what is known old."""
-        moments = self._in_turn(option.node)
+        moments: Sequence[Disturbance] = self._in_turn(option.node)
+        if option.aims:  # of accesses and frames: most of them come in the beginning
+            moments = spread(self.moments[option.node])
         plans = self._ranked(option, moments, option.parameters, (1, 3, 4))
         once, *others = option.parameters
         lasting = [each for each in others[:1] if "times" in once and "times" not in each]
