@@ -133,3 +133,20 @@ def test_a_gateway_tells_the_same_by_tpdo_and_by_sdo():
         told += [(text[4:8], shown[12:16]) for text in frames[-1:]]
     assert all(frame == shown for frame, shown in told)
     assert len(set(told)) > 10
+
+
+def test_a_node_whose_values_are_held_changes_with_their_refreshes_alone(probe):
+    bench = probe(measure_time=0.1, noise=1.0)
+    clock, before = bench.clock, bench.node.changed_at
+    bench.run(0.55)
+    assert bench.node.changed_at == before
+    become(bench, 200)  # which looks, and so brings the refresh of 0.5 s
+    assert bench.node.changed_at == clock.ticks
+    bench.run(0.01)
+    assert bench.node.changed_at < clock.ticks
+
+
+def test_a_node_whose_values_have_noise_at_every_moment_changes_all_the_time(probe):
+    bench = probe(noise=1.0)
+    bench.run(0.55)
+    assert bench.node.changed_at == bench.clock.ticks

@@ -27,6 +27,8 @@ class Measurement:
         self, slave: Slave, measured: Collection[Address], timing: Timing, cycle: float
     ) -> None:
         """`measured` may name entries that the dictionary does not have; `cycle` is in seconds."""
+        self.held = bool(timing.measure_time)
+        """Whether what is shown is as it is from one refresh to the next."""
         self._clock = slave.clock
         self._period = microseconds(timing.measure_time or cycle)
         self._noise = timing.noise
@@ -37,9 +39,9 @@ class Measurement:
         self._shown: list[Value] = []
         self._refreshed: float = -inf
         for place, entry in enumerate(self._entries):
-            show = partial(self._held if timing.measure_time else self._fresh, place)
+            show = partial(self._held_value if self.held else self._fresh, place)
             entry.source = show
-        if timing.measure_time:
+        if self.held:
             self.refresh(self._now)
         else:
             self._refreshed = inf
@@ -69,7 +71,7 @@ class Measurement:
         self._taken = [take() for take in self._sources]
         self._shown = [self._with_noise(*each, tick) for each in enumerate(self._taken)]
 
-    def _held(self, place: int) -> Value:
+    def _held_value(self, place: int) -> Value:
         return self._shown[place]
 
     def _fresh(self, place: int) -> Value:

@@ -265,8 +265,10 @@ class Node:
 
     @property
     def changed_at(self) -> int:
-        """Microsecond at which the device may have changed last: by a step, an act or its noise."""
-        noisy = self._stack is not None and self._stack.measurement is not None
+        """Microsecond at which the device may have changed last: by a step, an act, a refresh of
+        what is measured or its noise."""
+        stack = self._stack
+        noisy = stack is not None and stack.measurement is not None and not stack.measurement.held
         return self.clock.ticks if noisy else self._changed
 
     def power_on(self) -> None:
@@ -365,6 +367,7 @@ class Node:
             if due is not None:
                 stepped = self._step_to(due)
                 stack.measurement.refresh(due)
+                self._changed = self.clock.ticks
         if self.clock.ticks - self._stepped >= self._cycle:
             stepped = self._step_to(self.clock.ticks)
         if not (stepped and self._stepped >= self._wake):  # until then it rests
