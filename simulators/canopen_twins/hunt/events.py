@@ -70,7 +70,7 @@ class EventRecorder:
         for name in nodes:
             self._bus.follow_states(name)
             self._bus.follow_writes(name)
-        self._bus.listen(self._hear)
+        self._bus.listen(self._hear, self._bus.sources)
         segment.listeners.append(self._bus.hear)
 
     def _hear(self, event: BusEvent) -> None:

@@ -1,6 +1,6 @@
 """What happens on the bus and at the nodes, in order: frames, writes of the master, NMT states."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import chain
 from typing import NamedTuple
@@ -45,6 +45,8 @@ class Changed(NamedTuple):
 
 BusEvent = Sent | Wrote | Changed
 Listener = Callable[[BusEvent], None]
+Source = tuple[type[BusEvent], Node | None]
+"""A kind of events, and whose: most listeners want those of one, and there are many of both."""
 
 
 class Position(NamedTuple):
@@ -70,7 +72,7 @@ class BusEvents:
         """Those of the scenario, by its names."""
         self.clock = clock
         self._senders = {node.wire.name: node for node in nodes.values()}
-        self._listeners: list[Listener] = []
+        self._listeners: dict[Source, list[Listener]] = {}
         self._moment = clock.ticks
         self._present: list[BusEvent] = []
         self._changes: list[Changed] = []
@@ -94,13 +96,21 @@ class BusEvents:
             self.nodes[name].listeners.remove(listener)
         self._states.clear()
 
-    def listen(self, listener: Listener) -> None:
-        """Tell somebody every event from now on."""
-        self._listeners.append(listener)
+    @property
+    def sources(self) -> Collection[Source]:
+        """All that there are."""
+        kinds: Sequence[type[BusEvent]] = (Sent, Wrote, Changed)
+        return [(Sent, None), *((kind, node) for node in self.nodes.values() for kind in kinds)]
 
-    def ignore(self, listener: Listener) -> None:
+    def listen(self, listener: Listener, sources: Iterable[Source]) -> None:
+        """Tell somebody every event of some sources from now on."""
+        for source in sources:
+            self._listeners.setdefault(source, []).append(listener)
+
+    def ignore(self, listener: Listener, sources: Iterable[Source]) -> None:
         """Tell him no more."""
-        self._listeners.remove(listener)
+        for source in sources:
+            self._listeners[source].remove(listener)
 
     @property
     def position(self) -> Position:
@@ -142,16 +152,19 @@ class BusEvents:
         if self._moment != self.clock.ticks:
             self._renew()
         self._present += together
-        if self._listeners:
-            listeners = tuple(self._listeners)
-            for event in together:
-                for listener in listeners:
-                    listener(event)
+        heard = [(each, tuple(self._listeners.get(_source(each), ()))) for each in together]
+        for event, listeners in heard:
+            for listener in listeners:
+                listener(event)
 
     def _renew(self) -> None:
         if self._moment != self.clock.ticks:
             self._moment = self.clock.ticks
             self._present.clear()
+
+
+def _source(event: BusEvent) -> Source:
+    return type(event), event.node
 
 
 RPDOS, MAPPING = range(0x1400, 0x1600), 0x0200  # and the distance to a mapping record
@@ -201,7 +214,7 @@ class MasterWrites:
 def _rpdos(slave: Slave) -> Mapping[int, Parts]:
     """What every RPDO that is on brings, by its identifier."""
     rpdos: dict[int, Parts] = {}
-    for index in RPDOS:
+    for index in [each for each in slave.object_dictionary if each in RPDOS]:
         if slave.has(index, COB_ID) and slave.has(index + MAPPING):
             cob_id = slave.number(index, COB_ID)
             if not cob_id & identifiers.INVALID:

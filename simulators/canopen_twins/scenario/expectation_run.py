@@ -42,6 +42,8 @@ class Watch:
         """Whether it goes on when it has seen it."""
         self.silence: float | None = None
         """If it is when they have matched, and then not again for so many seconds."""
+        self.sources = {source for part in parts if (source := part.source(node)) is not None}
+        """Of the events that it wants to hear."""
         self._parts = parts
         self._node = node
         self._bus = bus
@@ -69,7 +71,7 @@ class Watch:
     def listen(self, since: Position) -> None:
         """Take the events from a position on; `seen` is called in the middle of what happens."""
         self._listens = True
-        self._bus.listen(self.hear)
+        self._bus.listen(self.hear, self.sources)
         for event in self._bus.since(since):
             self.hear(event)
 
@@ -90,7 +92,7 @@ class Watch:
             self._timer.cancel()
         if self._listens:
             self._listens = False
-            self._bus.ignore(self.hear)
+            self._bus.ignore(self.hear, self.sources)
 
     @property
     def now(self) -> tuple[bool, str]:
@@ -165,6 +167,7 @@ class ExpectationRun:
         if (before := expectation.before) is not None:
             came = partial(self._came_before, before)
             self._watches.append(Watch.of(before, bus, came))
+        self._sources = {source for watch in self._watches for source in watch.sources}
 
     @property
     def waits(self) -> bool:
@@ -173,7 +176,7 @@ class ExpectationRun:
 
     def open(self, since: Position) -> None:
         """Hear what has happened already at this microsecond, and everything from now on."""
-        self._bus.listen(self._hear)
+        self._bus.listen(self._hear, self._sources)
         for event in self._bus.since(since):
             self._hear(event)
 
@@ -185,7 +188,7 @@ class ExpectationRun:
 
     def drop(self) -> None:
         """It does not matter any more."""
-        self._bus.ignore(self._hear)
+        self._bus.ignore(self._hear, self._sources)
         if self._timer is not None:
             self._timer.cancel()
         for watch in self._watches:

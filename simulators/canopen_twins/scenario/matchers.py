@@ -23,7 +23,7 @@ from canopen_twins.diagnosis.expected import (
     ExpectedValues,
     ExpectedWrites,
 )
-from canopen_twins.scenario.bus_events import BusEvent, Changed, Sent, Wrote
+from canopen_twins.scenario.bus_events import BusEvent, Changed, Sent, Source, Wrote
 from canopen_twins.scenario.targets import Target
 from canopen_twins.scenario.values import NoValue, Wanted, value_now, value_of
 from canopen_twins.slave.emcy import EMCY_LENGTH, emcy_id, emcy_of
@@ -58,6 +58,10 @@ class Matcher:
     @property
     def unwanted(self) -> Expected | None:
         """The same where it has come and should not have."""
+        return None
+
+    def source(self, node: Node) -> Source | None:
+        """Where the events are that it may match; None: it is polled."""
         return None
 
     def matches(self, event: BusEvent, node: Node) -> bool:
@@ -114,6 +118,10 @@ FIRST_ERROR = 0x0100
 
 class FrameMatcher(Matcher):
     """Picks from the frames of one node, or from those of the master."""
+
+    def source(self, node: Node) -> Source:
+        """Frames of the right sender."""
+        return Sent, None if self.by_master else node
 
     def matches(self, event: BusEvent, node: Node) -> bool:
         """A frame of the right sender that is meant."""
@@ -320,6 +328,10 @@ class Entered(Matcher):
         """The state."""
         return ExpectedState(self.state)
 
+    def source(self, node: Node) -> Source:
+        """States of the node."""
+        return Changed, node
+
     def matches(self, event: BusEvent, node: Node) -> bool:
         """This state."""
         return self.resembles(event, node) and self.state is _state(event)
@@ -380,6 +392,10 @@ class Written(Matcher):
     def parts(self) -> tuple[Matcher, ...]:
         """Each object is written for itself."""
         return tuple(Written((one,)) for one in self.wanted)
+
+    def source(self, node: Node) -> Source:
+        """Whatever the master writes to the node."""
+        return Wrote, node
 
     def matches(self, event: BusEvent, node: Node) -> bool:
         """One of the objects, with the value that is meant."""
