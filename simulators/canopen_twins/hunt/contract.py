@@ -132,7 +132,7 @@ class Contract:
         if not plan.heals:
             pairs.pop("recovers", None)
         order = [key for key in pairs if key not in LAST] + [key for key in LAST if key in pairs]
-        return write_yaml(node_of({key: pairs[key] for key in order}))
+        return "".join(_written(key, pairs[key]) for key in order)
 
     def scenario(self, plan: Plan) -> Scenario:
         """A run of it.
@@ -191,6 +191,12 @@ def _pairs(file: Path, stamp: int) -> Mapping[str, yaml.Node]:
     if not isinstance(node, yaml.MappingNode):
         raise UserError(f"{file} is no scenario")
     return {key.value: value for key, value in node.value}
+
+
+@lru_cache(maxsize=64)
+def _written(key: str, node: yaml.Node) -> str:
+    """Most of a contract is the same in every run."""
+    return write_yaml(node_of({key: node}))
 
 
 def _deliver(pairs: dict[str, yaml.Node], name: str, key: str, value: yaml.Node) -> None:
