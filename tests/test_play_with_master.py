@@ -2,6 +2,7 @@
 
 import json
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -268,6 +269,27 @@ def hold(first, second):
         with second:
             pass
 """
+
+
+STARVES = """\
+import signal
+import time
+
+
+def main():
+    while True:
+        signal.sigtimedwait([], 0.005)  # in real time, as who waits for a core
+        time.sleep(0.0001)
+"""
+
+
+def test_a_run_that_has_hardly_had_a_core_says_nothing_of_its_master(story, tmp_path):
+    (tmp_path / "starves.py").write_text(STARVES)
+    scenario = load(story("main", "starves"))
+    verdict = play(replace(scenario, master=replace(scenario.master, wall=0.1)))
+    (told,) = [each for each in verdict.outcomes if each.line == 3]
+    assert str(told.kind) == "ERROR"
+    assert told.seen.startswith("0.2 s of real time, of which the process had a core for 0.0")
 
 
 @pytest.mark.parametrize(

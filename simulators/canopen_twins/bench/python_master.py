@@ -27,6 +27,7 @@ import canopen
 from canopen_twins.bench.children import ended_children
 from canopen_twins.bench.limits import (
     HangError,
+    NoCore,
     OutOfTime,
     RealTimeLimit,
     SimulatedTimeError,
@@ -65,7 +66,7 @@ class PythonMaster:
     name: str
     folders: tuple[Path, ...] = ()
     wall: float = WALL
-    """Seconds of real time that a run of it may take."""
+    """Seconds of real time that a run of it may take, as `RealTimeLimit` counts them."""
 
     @classmethod
     def beside(cls, name: str, file: Path) -> PythonMaster:
@@ -126,6 +127,8 @@ class PythonMaster:
                             yield partial(_whereabouts, scheduler, files)
                     except SimulatedTimeError as failure:
                         reports.take(failure)
+                    except NoCore as busy:
+                        reports.take(SimulatedTimeError(str(busy)))
                     except OutOfTime as limit:
                         reports.take(HangError(str(limit)))
             if scheduler.failure is not None:
