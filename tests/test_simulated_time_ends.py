@@ -321,7 +321,9 @@ def test_a_loop_that_never_waits_is_over_after_a_limit_of_real_time(bench, modul
 def test_a_limit_of_real_time_counts_the_time_in_which_there_was_a_core(bench, module):
     users = module("def wait(event):\n while not event.wait(0.001): pass")
     with (
-        pytest.raises(SimulatedTimeError, match=r"0.2 s of real time, of which .* had a core for 0\.0"),
+        pytest.raises(
+            SimulatedTimeError, match=r"0.2 s of real time, of which .* had a core for 0\.0"
+        ),
         simulated_time(bench, wall=0.1),
     ):
         users.wait(threading.Event())

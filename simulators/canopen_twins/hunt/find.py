@@ -147,37 +147,69 @@ def write_find(
         UserError: it cannot be written.
     """
     assert result.verdict is not None
-    trial = folder / f".{secrets.token_hex(8)}{SUFFIX}"  # what fails otherwise has no name yet
+    trial = Trial(contract, folder, _text(contract, result, failure, folder))
+    try:
+        if contract.command or result.death:  # in real time no two runs are the same
+            trial.fail(failure, play)
+        else:
+            trial.repeat(result, play)
+        path = trial.keep()
+    except OSError as error:
+        raise UserError(f"a find cannot be written to {folder}: {error.strerror}") from error
+    finally:
+        trial.path.unlink(missing_ok=True)
+    steps = contract.parts - len(result.plan.left_out)
+    return Find(failure, path, result.plan, result.verdict, steps, trial.text)
+
+
+def _text(contract: Contract, result: Result, failure: Failure, folder: Path) -> str:
+    """Of the file, with what has happened in words."""
+    assert result.verdict is not None
     whereabouts = dict(zip(result.failures, result.whereabouts, strict=True)).get(failure, "")
     named: dict[str, object] = {
         "name": f"{result.verdict.name}: {', '.join(result.plan.faults) or 'without any fault'}",
         "note": note_of(result.verdict, failure, result.plan, whereabouts),
     }
-    text = contract.text(result.plan, named, folder)
+    return contract.text(result.plan, named, folder)
 
-    def lie_there() -> None:
-        folder.mkdir(parents=True, exist_ok=True)  # a master may have deleted it
-        write_whole(trial, text)
 
-    try:
-        lie_there()
-        here = play(replace(contract, file=trial), Plan())
-        if contract.command or result.death:  # in real time no two runs are the same
-            if failure not in here.failures:
-                raise NotTheSameError("it has not failed again")
-        else:
-            _expect_the_same(result, here, "two runs of it differ")
-            lie_there()
-            there = in_another_process(trial, contract.master)
-            _expect_the_same(here, there, "a run in another process differs")
-        lie_there()
-        path = trial.replace(_free_name(folder))
-    except OSError as error:
-        raise UserError(f"a find cannot be written to {folder}: {error.strerror}") from error
-    finally:
-        trial.unlink(missing_ok=True)
-    steps = contract.parts - len(result.plan.left_out)
-    return Find(failure, path, result.plan, result.verdict, steps, text)
+class Trial:
+    """A file that may become a find; what fails otherwise has no name yet.
+
+    Before each use it is written anew: a master may have deleted it, and its folder.
+    """
+
+    def __init__(self, contract: Contract, folder: Path, text: str) -> None:
+        self.path = folder / f".{secrets.token_hex(8)}{SUFFIX}"
+        self.text = text
+        self._contract = contract
+        self._folder = folder
+
+    def fail(self, failure: Failure, play: Play) -> None:
+        """Raises `NotTheSameError` if it does not fail so."""
+        if failure not in self._played(play).failures:
+            raise NotTheSameError("it has not failed again")
+
+    def repeat(self, result: Result, play: Play) -> None:
+        """Raises `NotTheSameError` if it is another run than that, here or in another process."""
+        here = self._played(play)
+        _expect_the_same(result, here, "two runs of it differ")
+        self._write()
+        there = in_another_process(self.path, self._contract.master)
+        _expect_the_same(here, there, "a run in another process differs")
+
+    def keep(self) -> Path:
+        """Give it a name of its own; what that is."""
+        self._write()
+        return self.path.replace(_free_name(self._folder))
+
+    def _played(self, play: Play) -> Result:
+        self._write()
+        return play(replace(self._contract, file=self.path), Plan())
+
+    def _write(self) -> None:
+        self._folder.mkdir(parents=True, exist_ok=True)
+        write_whole(self.path, self.text)
 
 
 def _free_name(folder: Path) -> Path:

@@ -335,14 +335,7 @@ def hunt(  # noqa: PLR0913 - what can be chosen
         UserError: something is wrong with one of them, the extra is missing, or the contract is not
             kept without faults.
     """
-    if find_spec("hypothesis") is None:  # before, not when all but the free search has been done
-        raise UserError("a hunt needs the extra: pip install 'canopen-twins[hunt]'")
-    if not file.is_file():
-        raise UserError(f"there is no file {file}")
-    if folder is not None and not folder.is_dir():
-        raise UserError(f"there is no directory {folder}")
-    if (runs is not None and runs < 1) or (seconds is not None and seconds <= 0):
-        raise UserError("there has to be time for at least one run: --runs 100, --seconds 60")
+    _check(file, folder, runs, seconds)
     if runs is None and seconds is None:
         seconds = SECONDS
     known = [] if folder is None else sorted(folder.glob(f"*{SUFFIX}"))
@@ -357,3 +350,15 @@ def hunt(  # noqa: PLR0913 - what can be chosen
             play=play,
             tell=tell,
         ).hunt()
+
+
+def _check(file: Path, folder: Path | None, runs: int | None, seconds: float | None) -> None:
+    """Raises `UserError` if there can be no such hunt."""
+    if find_spec("hypothesis") is None:  # before, not when all but the free search has been done
+        raise UserError("a hunt needs the extra: pip install 'canopen-twins[hunt]'")
+    if not file.is_file():
+        raise UserError(f"there is no file {file}")
+    if folder is not None and not folder.is_dir():
+        raise UserError(f"there is no directory {folder}")
+    if (runs is not None and runs < 1) or (seconds is not None and seconds <= 0):
+        raise UserError("there has to be time for at least one run: --runs 100, --seconds 60")
