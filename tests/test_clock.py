@@ -1,3 +1,5 @@
+import tracemalloc
+from functools import partial
 from math import inf, nan
 
 import pytest
@@ -253,3 +255,22 @@ def test_a_timer_of_a_scope_costs_as_much_beside_thousands_as_alone(monkeypatch,
     for _ in range(2000):
         scope.after(1.0, lambda: None)
     assert len(looks) <= 2 * 2000
+
+
+def test_a_timer_that_is_cancelled_takes_no_memory_until_its_time(clock):
+    tracemalloc.start()
+    for _ in range(20_000):
+        clock.after(3600.0, list).cancel()
+        clock.advance(0.001)
+    grown, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert grown < 100_000
+
+
+def test_what_is_pending_comes_in_order_whatever_is_cancelled_beside_it(clock):
+    told = []
+    for number in range(500):
+        clock.at_tick(1000, partial(told.append, number))
+        clock.at_tick(500 + number, list).cancel()
+    clock.advance(0.001)
+    assert told == [*range(500)]
