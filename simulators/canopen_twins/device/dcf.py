@@ -27,7 +27,8 @@ from canopen_twins.device.device import Device
 from canopen_twins.device.node import Node, wait_for_boot
 from canopen_twins.errors import UserError
 from canopen_twins.slave.eds import values
-from canopen_twins.slave.eds.reader import BIT_RATES, HIGHEST_SUB
+from canopen_twins.slave.eds.head import BIT_RATES
+from canopen_twins.slave.eds.reader import HIGHEST_SUB
 from canopen_twins.slave.object import TIMES, Entry, Rejected, entries_of
 from canopen_twins.slave.slave import Slave
 

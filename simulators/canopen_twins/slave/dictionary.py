@@ -15,7 +15,7 @@ from canopen_twins.files.shipped import od_file
 from canopen_twins.slave.object import entries_of
 
 if TYPE_CHECKING:
-    from canopen_twins.slave.eds.reader import Eds
+    from canopen_twins.slave.eds.eds import Eds
 
 
 @lru_cache(maxsize=1)  # whoever looks at a file makes twins of it next

@@ -1,12 +1,10 @@
 """Device files as classes: names and numbers are looked up in the EDS when the file is read."""
 
-import csv
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, make_dataclass, replace
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
-from math import isfinite
 from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
@@ -28,6 +26,7 @@ from canopen_twins.devices.eds.behaviour import (
     Source,
     Told,
 )
+from canopen_twins.devices.eds.samples import read_samples
 from canopen_twins.devices.eds.settable import bounds
 from canopen_twins.errors import UserError, unknown
 from canopen_twins.files.document import Item, Reported
@@ -37,7 +36,6 @@ from canopen_twins.slave.emcy import FIELD_LENGTH, Emcy
 from canopen_twins.slave.object import Address
 
 APPLICATION = 0x2000
-LARGEST_CSV = 16 * 1024 * 1024  # bytes
 
 
 def device_of(path: Path) -> type[Device]:
@@ -249,7 +247,7 @@ class Compiler:
         place = table.item_of("replays")
         path = self.path.parent / place.text
         with place.blamed():
-            samples = _samples(path, table.column)
+            samples = read_samples(path, table.column)
             if table.repeat and not samples[-1].time:
                 raise UserError(f"{path.name}: there is no time in it that could repeat")
         if path.absolute() not in self.files:
@@ -429,44 +427,3 @@ def _ends(table: Table, find: Compiler) -> Callable[[Making], tuple[model.Read, 
         return of.read(ends[0]), of.read(ends[1])
 
     return made
-
-
-def _samples(path: Path, column: str | None) -> list[model.Sample]:
-    """Rows of seconds and values; the first row may have the names of the columns."""
-    try:
-        if path.stat().st_size > LARGEST_CSV:
-            raise UserError(f"{path} is larger than {LARGEST_CSV // 1024 // 1024} MiB")
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = [(number, row) for number, row in enumerate(csv.reader(file), 1) if any(row)]
-    except OSError as failure:
-        raise UserError(f"{path}: {failure.strerror}") from failure
-    except (UnicodeDecodeError, csv.Error) as failure:
-        raise UserError(f"{path}: {failure}") from failure
-    place = 1
-    if rows and not _is_number(rows[0][1][0]):
-        heads = [head.strip() for head in rows.pop(0)[1]]
-        if column is not None:
-            if column not in heads:
-                raise UserError(f"{path.name}: {unknown('column', column, heads)}")
-            place = heads.index(column)
-    elif column is not None:
-        raise UserError(f"{path.name}: the first row has no names of columns")
-    samples: list[model.Sample] = []
-    for number, row in rows:
-        where = f"{path.name}:{number}"
-        if len(row) <= place or not (_is_number(row[0]) and _is_number(row[place])):
-            raise UserError(f"{where}: wanted are seconds and a value, not {','.join(row)!r}")
-        sample = model.Sample(float(row[0]), float(row[place]))
-        if sample.time < (samples[-1].time if samples else 0):
-            raise UserError(f"{where}: {row[0]} s is before the row above")
-        samples.append(sample)
-    if not samples:
-        raise UserError(f"{path.name}: there is no row of seconds and a value")
-    return samples
-
-
-def _is_number(text: str) -> bool:
-    try:
-        return isfinite(float(text))
-    except ValueError:
-        return False

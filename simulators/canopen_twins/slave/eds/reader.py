@@ -7,19 +7,18 @@ that one entry; only a file without any object is refused.
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, cast
 
-from canopen import ObjectDictionary
 from canopen.objectdictionary import ODArray, ODRecord, ODVariable
 from canopen.objectdictionary.datatypes import DATA_TYPES, DOMAIN, UNSIGNED8
 
-from canopen_twins.bus.identifiers import UNCONFIGURED
 from canopen_twins.errors import UserError
-from canopen_twins.files.sections import Field, Remark, Section, Sections, read_sections
+from canopen_twins.files.sections import Field, Section, Sections, read_sections
 from canopen_twins.slave.eds import values
 from canopen_twins.slave.eds.check import MAPPING, RPDO, TPDO, check
+from canopen_twins.slave.eds.eds import Dictionary, Eds
+from canopen_twins.slave.eds.head import COMMISSIONING, read_head
 from canopen_twins.slave.eds.short_forms import add_compact_pdos, add_modules
 from canopen_twins.slave.object import DUMMY_TYPES, TIMES, entries_of
 
@@ -29,57 +28,13 @@ COMPOUND = (DEFSTRUCT, ARRAY, RECORD)
 OBJECT = re.compile(r"(?:0[xX])?([0-9A-Fa-f]{1,4})(?:sub([0-9A-Fa-f]{1,2}))?", re.IGNORECASE)
 LIST = re.compile(r"(?:0[xX])?([0-9A-Fa-f]{1,4})(Name|Value|Denotation)", re.IGNORECASE)
 SUB = re.compile("[0-9]{1,3}")
-DUMMY = re.compile(r"Dummy([0-9A-Fa-f]{1,4})", re.IGNORECASE)
-STANDARD_DUMMIES = range(1, 8)
 KNOWN_TYPES = {*ODVariable.STRUCT_TYPES, *DATA_TYPES, *TIMES}
 ACCESS = {"r": "ro", "w": "wo", "read": "ro", "write": "wo", "readonly": "ro", "read/write": "rw"}
 KNOWN_ACCESS = ("ro", "wo", "rw", "rwr", "rww", "const")
-BIT_RATES = (10, 20, 50, 125, 250, 500, 800, 1000)  # kbit/s
-COMMISSIONING = ("DeviceComissioning", "DeviceCommissioning")
 LARGEST_DOMAIN = 1 << 24  # bytes
-MOST_LINES = 10_000  # of a comment
 HIGHEST_SUB = 0xFE
 LIMITS = {"LowLimit": "min", "HighLimit": "max"}
 XML = (".xdd", ".xdc")  # CiA 311
-
-
-class Dictionary(ObjectDictionary):
-    """A name that several objects have stands for none of them."""
-
-    def __init__(self) -> None:
-        super().__init__()  # type: ignore[no-untyped-call]
-        self.ambiguous: dict[str, list[int]] = {}
-        """The indices behind such a name."""
-
-    def add_object(self, item: Any) -> None:
-        """Add an object, by its index and by its name."""
-        other = self.names.get(item.name)
-        super().add_object(item)
-        if other is not None and other.index != item.index:
-            self.ambiguous.setdefault(item.name, [other.index]).append(item.index)
-
-    def __getitem__(self, key: int | str) -> Any:
-        if key in self.ambiguous:
-            indices = " and ".join(f"0x{index:04X}" for index in self.ambiguous[str(key)])
-            raise KeyError(f"{key!r} is the name of {indices}: say which by its index")
-        return super().__getitem__(key)
-
-
-@dataclass
-class Eds:
-    """What a file says."""
-
-    dictionary: Dictionary
-    """For node id 0."""
-    relative: list[tuple[ODVariable, str]] = field(default_factory=list)
-    """Variables with the attributes to which the node id has to be added."""
-    remarks: list[Remark] = field(default_factory=list)
-    """What is wrong or unusual in it, in the order of its lines."""
-    node_id: int | None = None
-    """That of a DCF: 1..127, or 255 for a node that has none yet."""
-    node_name: str = ""
-    files: list[Path] = field(default_factory=list)
-    """Those beside it whose content objects have."""
 
 
 def read_eds(path: Path, modules: Sequence[int] | None = None) -> Eds:
@@ -122,9 +77,7 @@ class EdsReader:
 
     def read(self) -> Eds:
         """The whole file."""
-        self._read_information()
-        self._read_commissioning()
-        self._read_dummies()
+        read_head(self._sections, self._eds)
         for index in sorted({*self.objects, *self._subs}):
             if index not in DUMMY_TYPES:
                 self._read_object(index)
@@ -147,7 +100,7 @@ class EdsReader:
         """LSS_SerialNumber of a DCF is that of 1018h:04 (CiA 306, 5.3.1)."""
         for name in COMMISSIONING:
             section = self._sections.section(name)
-            number = self._count(section, "LSS_SerialNumber")
+            number = self._eds.count(section, "LSS_SerialNumber")
             entry = self._entries.get((0x1018, 4))
             if number is None or entry is None:
                 continue
@@ -155,7 +108,7 @@ class EdsReader:
                 entry.value = number
             else:
                 words = f"LSS_SerialNumber {number} does not fit 32 bits: ignored"
-                self._remark(section, words, section["LSS_SerialNumber"])
+                self._eds.remark(section, words, section["LSS_SerialNumber"])
 
     @property
     def _entries(self) -> dict[tuple[int, int], ODVariable]:
@@ -165,115 +118,18 @@ class EdsReader:
             for subindex, variable in entries_of(item).items()
         }
 
-    def _remark(self, section: Section, words: str, at: Field | None = None) -> None:
-        line = section.line if at is None else at.line
-        self._eds.remarks.append(Remark(line, section.name, words))
-
     def _sort(self) -> None:
         for section in self._sections.values():
             if match := OBJECT.fullmatch(section.name):
                 index, sub = int(match[1], 16), match[2]
                 if section.name[:2] in {"0x", "0X"}:
-                    self._remark(section, "has 0x before the index: read without it")
+                    self._eds.remark(section, "has 0x before the index: read without it")
                 if sub is None:
                     self.objects[index] = section
                 else:
                     self._subs.setdefault(index, {})[int(sub, 16)] = section
             elif match := LIST.fullmatch(section.name):
                 self._lists[int(match[1], 16), match[2].lower()] = section
-
-    # what stands before the objects
-
-    def _read_information(self) -> None:
-        dictionary = self._eds.dictionary
-        comments = self._sections.section("Comments")
-        lines = range(1, 1 + min(self._count(comments, "Lines") or 0, MOST_LINES))
-        dictionary.comments = "\n".join(comments.text(f"Line{line}") for line in lines)
-        file = self._sections.section("FileInfo")
-        if file:  # where canopen looks for it when it writes a file
-            written = {field.key: field.text for field in file.values()}
-            setattr(dictionary, "__edsFileInfo", written)
-        section, information = self._sections.section("DeviceInfo"), self._device_information
-        for rate in BIT_RATES:
-            if self._count(section, f"BaudRate_{rate}"):
-                information.allowed_baudrates.add(rate * 1000)
-        for key, name in (
-            ("VendorName", "vendor_name"),
-            ("ProductName", "product_name"),
-            ("OrderCode", "order_code"),
-        ):
-            if key in section:
-                setattr(information, name, section[key].text)
-        for key, name in (
-            ("VendorNumber", "vendor_number"),
-            ("ProductNumber", "product_number"),
-            ("RevisionNumber", "revision_number"),
-            ("NrOfRXPDO", "nr_of_RXPDO"),
-            ("NrOfTXPDO", "nr_of_TXPDO"),
-        ):
-            setattr(information, name, self._count(section, key))
-        for key, name in (
-            ("SimpleBootUpMaster", "simple_boot_up_master"),
-            ("SimpleBootUpSlave", "simple_boot_up_slave"),
-            ("Granularity", "granularity"),
-            ("DynamicChannelsSupported", "dynamic_channels_supported"),
-            ("GroupMessaging", "group_messaging"),
-            ("LSS_Supported", "LSS_supported"),
-        ):
-            number = self._count(section, key)
-            setattr(information, name, None if number is None else bool(number))
-
-    @property
-    def _device_information(self) -> Any:
-        return self._eds.dictionary.device_information
-
-    def _read_commissioning(self) -> None:
-        """Of a DCF. The standard spells it with one m, some tools as it should be."""
-        for name in COMMISSIONING:
-            if name in self._sections:
-                self._commission(self._sections[name])
-
-    def _commission(self, section: Section) -> None:
-        node_id = self._count(section, "NodeID")
-        if node_id is not None and node_id != UNCONFIGURED and not 1 <= node_id <= 127:
-            self._remark(section, f"NodeID {node_id} is not in 1..127: ignored", section["NodeID"])
-            node_id = None
-        self._eds.node_id = node_id
-        self._eds.node_name = section.text("NodeName")
-        self._eds.dictionary.node_id = 0
-        if rate := self._count(section, "Baudrate"):
-            self._eds.dictionary.bitrate = rate * 1000
-
-    def _read_dummies(self) -> None:
-        section = self._sections.section("DummyUsage")
-        if "DummyUsage" not in self._sections:
-            allowed = dict.fromkeys(STANDARD_DUMMIES, 1)
-            self._remark(section, "is not there: the types 1 to 7 may fill gaps of RPDOs")
-        else:
-            keys = {int(match[1], 16): key for key in section if (match := DUMMY.fullmatch(key))}
-            allowed = {index: self._count(section, key) or 0 for index, key in keys.items()}
-        for index in sorted(index for index, is_allowed in allowed.items() if is_allowed):
-            if index in DUMMY_TYPES:
-                dummy = ODVariable(f"Dummy{index:04X}", index, 0)
-                dummy.data_type = index
-                dummy.access_type = "const"
-                self._eds.dictionary.add_object(dummy)
-
-    def _count(self, section: Section, key: str) -> int | None:
-        """A number that is no value of an object; none if there is none, or it is none."""
-        text = section.text(key)
-        if not text:
-            if key in section:
-                self._remark(section, f"{key} is empty: as if it were not there", section[key])
-            return None
-        try:
-            found = values.count(text)
-        except ValueError as failure:
-            self._remark(section, f"{key}: {failure}: ignored", section[key])
-            return None
-        if found.doubt:
-            self._remark(section, f"{key}: {found.doubt}", section[key])
-        return int(found.value)
 
     # objects
 
@@ -282,7 +138,7 @@ class EdsReader:
         subs = self._subs.get(index, {})
         if section is None:
             section = Section(f"{index:04X}", min(sub.line for sub in subs.values()))
-            self._remark(section, "is not there, but its sub-indices are: a record is made")
+            self._eds.remark(section, "is not there, but its sub-indices are: a record is made")
             kind = RECORD
         else:
             kind = self._object_type(section, bool(subs))
@@ -297,18 +153,18 @@ class EdsReader:
     def _object_type(self, section: Section, has_subs: bool) -> int:
         """What is not said is a variable, or a record if it has sub-indices."""
         otherwise = RECORD if has_subs else VAR
-        kind = self._count(section, "ObjectType")
+        kind = self._eds.count(section, "ObjectType")
         if kind is None:
             if has_subs:
-                self._remark(section, "has sub-indices but no ObjectType: a record")
+                self._eds.remark(section, "has sub-indices but no ObjectType: a record")
             return otherwise
         if kind == NULL:
-            self._remark(section, "is of the object type NULL: left out")
+            self._eds.remark(section, "is of the object type NULL: left out")
         elif kind not in SINGLE + COMPOUND:
-            self._remark(section, f"there is no object type {kind}", section["ObjectType"])
+            self._eds.remark(section, f"there is no object type {kind}", section["ObjectType"])
             return otherwise
         elif kind in SINGLE and has_subs:
-            self._remark(section, "is a variable but has sub-indices: a record")
+            self._eds.remark(section, "is a variable but has sub-indices: a record")
             return RECORD
         return kind
 
@@ -329,7 +185,7 @@ class EdsReader:
         return item
 
     def _highest_sub(self, section: Section, index: int, subs: Mapping[int, object]) -> ODVariable:
-        self._remark(section, "has no sub-index 0: it tells the highest there is")
+        self._eds.remark(section, "has no sub-index 0: it tells the highest there is")
         variable = ODVariable("Highest sub-index", index, 0)
         variable.data_type = UNSIGNED8
         variable.access_type = "ro"
@@ -340,15 +196,15 @@ class EdsReader:
         """SubNumber counts the sub-indices there are, FFh left out (CiA 306, 4.6.3.2)."""
         if "SubNumber" not in section or self._compact_count(section):
             return
-        said = self._count(section, "SubNumber")
+        said = self._eds.count(section, "SubNumber")
         there = sum(sub <= HIGHEST_SUB for sub in item.subindices)
         if said is not None and said != there:
-            self._remark(
+            self._eds.remark(
                 section, f"SubNumber is {said}, but there are {there}", section["SubNumber"]
             )
 
     def _compact_count(self, section: Section) -> int:
-        number = self._count(section, "CompactSubObj") if section.text("CompactSubObj") else 0
+        number = self._eds.count(section, "CompactSubObj") if section.text("CompactSubObj") else 0
         return min(number or 0, HIGHEST_SUB)
 
     def _compact(self, section: Section, index: int) -> Iterator[ODVariable | None]:
@@ -381,16 +237,16 @@ class EdsReader:
         found = {
             int(key): section[key] for key in section if SUB.fullmatch(key) and section.text(key)
         }
-        said = self._count(section, "NrOfEntries")
+        said = self._eds.count(section, "NrOfEntries")
         if said is not None and said != len(found):
-            self._remark(section, f"NrOfEntries is {said}, but there are {len(found)}")
+            self._eds.remark(section, f"NrOfEntries is {said}, but there are {len(found)}")
         return {key: each for key, each in found.items() if key <= HIGHEST_SUB}
 
     def _name(self, section: Section, otherwise: str) -> str:
         for key in ("Denotation", "ParameterName"):
             if words := values.uncommented_words(section.text(key)):
                 return words
-        self._remark(section, f"has no ParameterName: it is called {otherwise}")
+        self._eds.remark(section, f"has no ParameterName: it is called {otherwise}")
         return otherwise
 
     def _variable(
@@ -405,7 +261,7 @@ class EdsReader:
         variable.data_type = told if told in KNOWN_TYPES else DOMAIN
         variable.access_type = self._access(section, domain)
         if section.text("PDOMapping"):
-            variable.pdo_mappable = bool(self._count(section, "PDOMapping"))
+            variable.pdo_mappable = bool(self._eds.count(section, "PDOMapping"))
         for key, name in (("DefaultValue", "default"), ("ParameterValue", "value")):
             if text := section.text(key):
                 self._give(section, variable, name, section[key], told)
@@ -421,7 +277,7 @@ class EdsReader:
         path = self._path.parent / name
         at = section["UploadFile"]
         if variable.data_type not in values.BYTES:
-            self._remark(section, "UploadFile is of a DOMAIN only: ignored", at)
+            self._eds.remark(section, "UploadFile is of a DOMAIN only: ignored", at)
             return
         try:
             with path.open("rb") as file:
@@ -430,17 +286,17 @@ class EdsReader:
             content = None
         if content is None or len(content) > LARGEST_DOMAIN:
             told = "is not beside this file" if content is None else "is larger than 16 MiB"
-            self._remark(section, f"UploadFile {name!r} {told}: as if it were not said", at)
+            self._eds.remark(section, f"UploadFile {name!r} {told}: as if it were not said", at)
             return
         variable.value = content
         self._eds.files.append(path)
 
     def _data_type(self, section: Section, domain: bool) -> int | None:
-        number = self._count(section, "DataType")
+        number = self._eds.count(section, "DataType")
         if number is None:
             if domain:
                 return DOMAIN
-            self._remark(section, "has no DataType: left out")
+            self._eds.remark(section, "has no DataType: left out")
             return None
         if number in KNOWN_TYPES:
             return number
@@ -451,7 +307,7 @@ class EdsReader:
             except ValueError:
                 pass
         words = f"data type 0x{number:04X} is none of CiA 301: served as the bytes it has"
-        self._remark(section, words, section["DataType"])
+        self._eds.remark(section, words, section["DataType"])
         return number
 
     def _access(self, section: Section, domain: bool) -> str:
@@ -462,7 +318,7 @@ class EdsReader:
             return "rw"
         access = ACCESS.get(word, "ro")
         told = f"AccessType {section.text('AccessType')!r} is" if word else "AccessType is missing:"
-        self._remark(section, f"{told} taken for {access}", section.get("AccessType"))
+        self._eds.remark(section, f"{told} taken for {access}", section.get("AccessType"))
         return access
 
     def _give(
@@ -477,11 +333,11 @@ class EdsReader:
         try:
             found = values.value(at.text, data_type or variable.data_type)
         except ValueError as failure:
-            self._remark(section, f"{at.key}: {failure}: as if it were not there", at)
+            self._eds.remark(section, f"{at.key}: {failure}: as if it were not there", at)
             return
 
         if found.doubt:
-            self._remark(section, f"{at.key}: {found.doubt}", at)
+            self._eds.remark(section, f"{at.key}: {found.doubt}", at)
         setattr(variable, name, found.value)
         if found.relative:
             variable.relative = True
@@ -497,11 +353,11 @@ class EdsReader:
             return
         if low > high or (low == high and variable.writable):
             words = f"LowLimit {low} and HighLimit {high} leave nothing between them: no limits"
-            self._remark(section, words, section["LowLimit"])
+            self._eds.remark(section, words, section["LowLimit"])
             variable.min = variable.max = None
         elif isinstance(variable.default, int | float) and not low <= variable.default <= high:
             words = f"DefaultValue {variable.default} is not in {low}..{high}: it stays"
-            self._remark(section, words, section.get("DefaultValue"))
+            self._eds.remark(section, words, section.get("DefaultValue"))
 
     def _describe(self, section: Section, variable: ODVariable) -> None:
         """Keys that canopen writes beside those of the standard."""
@@ -512,4 +368,6 @@ class EdsReader:
             try:
                 variable.factor = float(text)
             except ValueError:
-                self._remark(section, f"Factor {text!r} is no number: ignored", section["Factor"])
+                self._eds.remark(
+                    section, f"Factor {text!r} is no number: ignored", section["Factor"]
+                )
