@@ -258,6 +258,12 @@ def test_several_processes_find_the_same(hunted, tmp_path):
     assert found[0] <= found[1]  # those that were asked for are played
 
 
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_as_many_runs_are_played_as_were_wanted(hunted, jobs):
+    code, said = hunted(CAREFUL, "--runs", "20", "--jobs", jobs, "--json")
+    assert (code, json.loads(said)["runs"]) == (0, 20)
+
+
 COMMAND = """\
 import sys
 import time

@@ -38,6 +38,14 @@ def hang(number):
     return number
 
 
+def meet(pipe, number):
+    """The first is done with the last that is asked for before it is."""
+    if number in (0, 2 * AHEAD - 1):
+        with Path(pipe).open("rb" if number == 0 else "wb"):
+            pass
+    return number
+
+
 def hang_in_c(number):
     with watched():
         re.match("(a*)*b", "a" * 60)  # no line of Python is reached any more
@@ -62,6 +70,12 @@ def pool():
     """Two processes."""
     with Pool(2, lost=lambda item, death: f"{item} was lost: {death.words}", patience=60) as pool:
         yield pool
+
+
+def test_what_takes_as_long_as_twenty_others_keeps_nobody_from_these(pool, tmp_path):
+    assert 2 * AHEAD > 20
+    os.mkfifo(tmp_path / "pipe")
+    assert [*pool(partial(meet, tmp_path / "pipe"), range(30))] == [*range(30)]
 
 
 def test_outcomes_come_in_the_order_of_the_items(pool):

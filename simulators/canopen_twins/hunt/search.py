@@ -55,11 +55,14 @@ class Budget:
         self.until = None if seconds is None else time.time() + seconds
         """As `time.time()`; None: however long it takes."""
 
+    @property
+    def is_late(self) -> bool:
+        """Whether the time for it is over."""
+        return self.until is not None and time.time() >= self.until
+
     def left(self, runs: int) -> bool:
         """Whether there is some left after so many runs."""
-        if self.until is not None and time.time() >= self.until:
-            return False
-        return self._runs is None or runs < self._runs
+        return not self.is_late and (self._runs is None or runs < self._runs)
 
     @property
     def to_shrink(self) -> float:
@@ -99,6 +102,7 @@ class Hunt:
         self._interesting: list[Plan] = []
         self._traces: set[str] = set()
         self._sweep = Sweep([])
+        self._on_their_way = 0
 
     def hunt(self) -> Report:
         """Search until the budget is spent.
@@ -184,14 +188,20 @@ class Hunt:
                 self.report.known.append(Find(failure, path, Plan(), result.verdict, 0, text))
 
     def _while_left(self, plans: Iterable[Plan]) -> Iterator[Plan]:
+        """Those that are on their way will have been played, too."""
         for plan in plans:
-            if not self._left:
+            if not self._budget.left(self.report.runs + self._on_their_way):
                 return
+            self._on_their_way += 1
             yield plan
 
     def _try(self, plans: Iterable[Plan]) -> None:
         for result in self._results(self._contract, self._while_left(plans)):
+            self._on_their_way -= 1
             self._take(result)
+            if self._budget.is_late:  # nobody waits for the others
+                break
+        self._on_their_way = 0
 
     def _take(self, result: Result) -> None:
         self.report.count(result)

@@ -26,8 +26,9 @@ from canopen_twins.errors import UserError
 Item = TypeVar("Item")
 Outcome = TypeVar("Outcome")
 
-AHEAD = 3
-"""Items asked for before the first of them is done, for each process."""
+AHEAD = 12
+"""Items asked for before the first of them is done, for each process: the longest run of a hunt
+takes as long as twenty others, and with 3 two processes were 1.5 times as fast as one."""
 DEATHS = 3
 """Of processes with one item, after which it is to blame, and what ends like it at once."""
 RESUMES = "resumes"
