@@ -120,7 +120,7 @@ def test_a_write_that_shall_be_refused_has_its_rules_too(problem, step, wrong):
         ("{emyc: none, within: 1}", "4:22: unknown key 'emyc': did you mean 'emcy'?"),
         ("{emcy: none}", "4:21: 'within' is missing: the seconds it may take"),
         ("{emcy: none, within: -1}", "4:42: -1 s is not in 0..86400 s"),
-        ("{emcy: some, within: 1}", "4:28: unknown EMCY 'some': there is any, none"),
+        ("{emcy: some, within: 1}", "4:28: unknown EMCY 'some': there is any, error, none"),
         ("{emcy: {}, within: 1}", "4:28: empty; at least one key with a value is wanted here"),
         ("{emcy: {cod: 1}, within: 1}", "4:29: unknown key 'cod': did you mean 'code'?"),
         ("{emcy: {code: 0x10000}, within: 1}", "4:35: 0x10000 is not in 0..0xffff"),
