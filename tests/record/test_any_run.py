@@ -4,6 +4,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from canopen_twins import devices
+from canopen_twins.bench.twin import carry_out
 from canopen_twins.bus.clock import MICROSECONDS
 from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Segment
@@ -28,25 +29,34 @@ FRAMES = [
     "18FEF105#",
 ]
 DELAYS = st.one_of(st.just(0), st.integers(1, 2000), st.integers(0, 500_000))
-RUNS = st.lists(st.tuples(DELAYS, st.sampled_from(FRAMES)), max_size=15)
+STALLS = st.sampled_from([0, 0, 0, 1, 5_000, 50_000, 700_000])  # microseconds that are made up for
+ORDERS = [("power_off",), ("power_on", {}), ("inject", "bus_load", {}), ("clear", None)]
+EVENTS = st.sampled_from([*FRAMES, *ORDERS])
+RUNS = st.lists(st.tuples(DELAYS, STALLS, EVENTS), max_size=15)
 number = count()
 
 
 @settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.sampled_from(devices.names()), RUNS, DELAYS)
-def test_whatever_comes_from_outside_and_when_the_replay_is_the_same(tmp_path, name, run, rest):
+def test_whatever_comes_and_when_and_however_late_the_replay_is_the_same(tmp_path, name, run, rest):
     folder = tmp_path / str(next(number))
     device = devices.create(name, node_id=5)
     told = Manifest.of("run", None, {name: device})
     with record(folder, told, None) as observer:
         segment = Segment()
+        clock = segment.clock
         node = connect(segment, device, name)
         observer(segment, None)
         node.power_on()
         segment.deliver()
-        for delay, text in run:
+        for delay, stall, event in run:
             segment.advance(delay / MICROSECONDS)
-            segment.send(Frame.parse(text))
+            clock.unseen = max(clock.unseen, clock.ticks + stall)  # it never goes back
+            segment.advance(0)
+            if isinstance(event, str):
+                segment.send(Frame.parse(event))
+            else:
+                carry_out(segment, node, *event)
             segment.advance(0)
         segment.advance(rest / MICROSECONDS)
     anew = folder.with_suffix(".anew")

@@ -114,6 +114,8 @@ class Journal:
             self._note("emcy", sender, frame=str(frame), words=self._decoder.words(frame))
 
     def _hear_order(self, name: str, word: str, arguments: Sequence[Any]) -> None:
+        if self._clock.unseen > self._clock.ticks:  # before what may depend on it
+            self._hear_stall(self._clock.unseen)
         self._note(ORDER, name, order=word, arguments=arguments)
 
     def _hear_stall(self, unseen: float) -> None:
