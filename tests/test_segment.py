@@ -4,7 +4,7 @@ from probe import Probe, configure
 from canopen_twins import Bench
 from canopen_twins.bench.limits import OutOfTime, SimulatedTimeError, Standstill
 from canopen_twins.bus.frame import Frame
-from canopen_twins.bus.segment import Segment
+from canopen_twins.bus.segment import FEW, Segment
 from canopen_twins.errors import UserError
 from canopen_twins.faults import connect
 
@@ -15,6 +15,17 @@ READ_TYPE = Frame.parse("605#4000100000000000")
 def pair():
     """Two probes, nodes 5 and 6."""
     return Bench.of({"left": Probe(5), "right": Probe(6)})
+
+
+OTHERS = [(), range(10, 10 + FEW)]
+"""Node ids of nodes beside: none, and so many that nobody is asked whom a frame is not for."""
+
+
+@pytest.fixture(params=OTHERS, ids=["two", "many"])
+def some(request):
+    """The same two, alone and among many."""
+    others = {f"other {node_id}": Probe(node_id) for node_id in request.param}
+    return Bench.of({"left": Probe(5), "right": Probe(6), **others})
 
 
 def test_two_nodes_of_one_id_are_refused():
@@ -68,28 +79,30 @@ def test_what_one_node_sends_the_other_hears(pair):
     assert pair["right"].sdo["Level"].raw == 0x1234
 
 
-def test_who_listens_to_what_had_passed_it_by_hears_it_from_then_on(pair):
+def test_who_listens_to_what_had_passed_it_by_hears_it_from_then_on(some):
     def level(frame):
-        pair.send(frame)
-        return pair["right"].values("Level")["Level"]
+        some.send(frame)
+        return some["right"].values("Level")["Level"]
 
     configure(
-        pair,
+        some,
         "606#2300140106020080",
         "606#2F00160000000000",
         "606#2300160110000021",
         "606#2F00160001000000",
         "606#2300140106020000",  # RPDO 1 of the right takes 206h
     )
-    pair.send("000#0106")
+    some.send("000#0106")
     assert [level(frame) for frame in ("206#0100", "3FF#0200")] == [1, 1]
-    configure(pair, "606#2300140106020080", "606#23001401FF030000")
+    configure(some, "606#2300140106020080", "606#23001401FF030000")
     assert [level(frame) for frame in ("206#0300", "3FF#0400")] == [1, 4]
 
 
-def test_a_node_that_comes_later_hears_what_nobody_had_heard_before():
+@pytest.mark.parametrize("others", OTHERS)
+def test_a_node_that_comes_later_hears_what_nobody_had_heard_before(others):
     segment, heard = Segment(), []
-    connect(segment, Probe(5), "left").power_on()
+    for node_id in (5, *others):
+        connect(segment, Probe(node_id), f"node {node_id}").power_on()
     segment.send(Frame.parse("606#4000100000000000"))
     connect(segment, Probe(6), "right").power_on()
     segment.listeners.append(lambda frame, sender: heard.append(sender))
@@ -97,12 +110,12 @@ def test_a_node_that_comes_later_hears_what_nobody_had_heard_before():
     assert heard == ["right", "", "right"]
 
 
-def test_a_filter_of_a_fault_takes_and_leaves_frames_at_once(pair):
-    assert pair.send("606#4000100000000000") == ["586#4300100000000000"]
-    pair["right"].inject("frame_lost")
-    assert pair.send("606#4000100000000000") == []
-    pair["right"].clear()
-    assert pair.send("606#4000100000000000") == ["586#4300100000000000"]
+def test_a_filter_of_a_fault_takes_and_leaves_frames_at_once(some):
+    assert some.send("606#4000100000000000") == ["586#4300100000000000"]
+    some["right"].inject("frame_lost")
+    assert some.send("606#4000100000000000") == []
+    some["right"].clear()
+    assert some.send("606#4000100000000000") == ["586#4300100000000000"]
 
 
 def test_a_node_does_not_hear_itself(pair):
