@@ -150,6 +150,18 @@ def test_objects_that_were_set_heal_too(tmp_path):
     assert (back.seen, str(back.kind)) == ("Current is 0, Undervoltage limit is 46000", "PASS")
 
 
+def test_an_object_that_was_beyond_its_limits_is_so_again(tmp_path):
+    eds = (EXAMPLES / "battery" / "battery.eds").read_text()
+    limited = "DefaultValue=46000\nLowLimit=40000\n"
+    assert limited in eds
+    text = eds.replace(limited, limited.replace("46000", "39999"))
+    (tmp_path / "battery.eds").write_text(text)
+    path = tmp_path / "story.yaml"
+    path.write_text(OBJECTS.replace("46000", "39999"))
+    (back,) = play(load(path)).outcomes
+    assert (back.seen, str(back.kind)) == ("Current is 0, Undervoltage limit is 39999", "PASS")
+
+
 def test_what_is_seen_counts_from_then_on_and_after_the_boot_time(judged):
     steps = """\
 timing: worst

@@ -261,6 +261,10 @@ class Device:
         """What `set` takes for this name to stay as it is."""
         return getattr(self.settings, name)
 
+    def set_back(self, /, **before: object) -> None:
+        """Let be what was `current` before; raises as `set` does."""
+        self.set(**before)
+
     def set(self, /, **given: object) -> None:
         """Change settings while the device runs.
 

@@ -76,7 +76,7 @@ class Disturbances:
                     self._resources.faults.clear(step.node, fault)
         for name, settings in self._before.items():
             with self._bus.nodes[name].acting() as device:
-                device.set(**settings)
+                device.set_back(**settings)
         for step in self.fired:
             if isinstance(step.action, Power):
                 self._bus.nodes[step.node].power_on()

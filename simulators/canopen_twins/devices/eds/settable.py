@@ -70,11 +70,30 @@ class Settable(Device):
 
     def current(self, name: str) -> Any:
         """Of an object, what is in the memory."""
-        if super().knows(name) or self.slave is None:
+        if super().knows(name):
             return super().current(name)
-        variable = Objects(self.dictionary()).find(name)
-        entry = self.slave.entry(variable.index, variable.subindex)
-        return entry.unpack(self.slave.data_store[variable.index][variable.subindex])
+        variable, slave = Objects(self.dictionary()).find(name), self._booted
+        entry = slave.entry(variable.index, variable.subindex)
+        return entry.unpack(slave.data_store[variable.index][variable.subindex])
+
+    def set_back(self, /, **before: object) -> None:
+        """An object that takes its value no more, as one beyond its limits, has it all the same."""
+        settings = {field.name for field in fields(self.settings)}
+        self.set(**{name: value for name, value in before.items() if name in settings})
+        for name, value in before.items():
+            if name in settings:
+                continue
+            try:
+                self.set(**{name: value})
+            except UserError:
+                variable = Objects(self.dictionary()).find(name)
+                data = packed(variable, value_for(variable, value))
+                self._booted.data_store[variable.index][variable.subindex] = data
+
+    @property
+    def _booted(self) -> Slave:
+        assert self.slave is not None  # nobody asks before the first boot
+        return self.slave
 
     def set(self, /, **given: object) -> None:
         """Change settings and objects while the device runs.
