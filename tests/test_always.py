@@ -147,6 +147,12 @@ def test_what_does_not_come_any_more_is_a_moment_each_time(judged):
     assert judged(steps) == [(5, "none came", "FAIL")]
 
 
+def test_what_does_not_come_any_more_ends_an_expectation_and_is_told_so(judged):
+    expected = "  - {at: 0.5, expect: {emcy: any, before: {heartbeat: any, missing: 0.5}}}\n"
+    ((_, *told),) = judged(f"steps:\n{BEATS}{expected}{stopped(1, 1)}")
+    assert told == ["none came, before heartbeat missing for 0.5 s: none came", "FAIL"]
+
+
 def test_what_is_late_but_not_too_late_is_none_and_so_is_what_never_came(judged):
     assert judged(f"{LOST}steps:\n{BEATS}{stopped(1, 0.3)}") == []
     assert judged(f"{LOST}steps: []\n") == []

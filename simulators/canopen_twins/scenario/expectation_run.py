@@ -207,7 +207,7 @@ class ExpectationRun:
     def _came_before(self, before: Condition, told: str) -> None:
         kind, seen = self._missed()
         if kind is not Kind.PASS:
-            seen = f"{seen}, before {before.matcher}: {told}"
+            seen = f"{seen}, before {before}: {told}"
         self._decide(Finding(kind, seen), self._now)
 
     def _missed(self) -> Finding:
