@@ -130,8 +130,14 @@ class NotTheSameError(Exception):
     """A find that has not come again in the same way; the message tells the first difference."""
 
 
-def write_find(
-    contract: Contract, result: Result, failure: Failure, folder: Path, play: Play
+def write_find(  # noqa: PLR0913 - who asks for it knows all of that
+    contract: Contract,
+    result: Result,
+    failure: Failure,
+    folder: Path,
+    play: Play,
+    *,
+    before: Find | None = None,
 ) -> Find:
     """Write the file, if it fails in the same way there and in another process.
 
@@ -141,6 +147,7 @@ def write_find(
         failure: What is to come again.
         folder: Where the file is to lie.
         play: Plays the file.
+        before: Whose file it replaces; None: it takes the next free name.
 
     Raises:
         NotTheSameError: it fails in another way there, or not at all.
@@ -153,7 +160,7 @@ def write_find(
             trial.fail(failure, play)
         else:
             trial.repeat(result, play)
-        path = trial.keep()
+        path = trial.keep(None if before is None else before.file)
     except OSError as error:
         raise UserError(f"a find cannot be written to {folder}: {error.strerror}") from error
     finally:
@@ -198,10 +205,10 @@ class Trial:
         there = in_another_process(self.path, self._contract.master)
         _expect_the_same(here, there, "a run in another process differs")
 
-    def keep(self) -> Path:
-        """Give it a name of its own; what that is."""
+    def keep(self, place: Path | None) -> Path:
+        """Give it the name of a file that it replaces, or one of its own; what that is."""
         self._write()
-        return self.path.replace(_free_name(self._folder))
+        return self.path.replace(place or _free_name(self._folder))
 
     def _played(self, play: Play) -> Result:
         self._write()

@@ -237,16 +237,16 @@ class Hunt:
         self.report.runs += shrinker.runs
         if plan != result.plan:
             with suppress(NotTheSameError):  # then the first one stays
-                simpler = self._written(plan, failure)
-                self.report.finds[-1] = replace(simpler, file=simpler.file.replace(find.file))
+                self.report.finds[-1] = self._written(plan, failure, find)
 
-    def _written(self, plan: Plan, failure: Failure) -> Find:
+    def _written(self, plan: Plan, failure: Failure, before: Find | None = None) -> Find:
         """Raises `NotTheSameError` if it does not come again."""
         result = self._compared(self._contract, plan)
         if failure not in result.failures:
             told = difference(self._compared(self._contract, plan), result)
             raise NotTheSameError(f"it has not failed again{told and f'; two runs differ: {told}'}")
-        return write_find(self._contract, result, failure, self._folder, self._compared)
+        place, play = self._folder, self._compared
+        return write_find(self._contract, result, failure, place, play, before=before)
 
     def _pairs(self) -> Iterator[Plan]:
         """Of singles that have changed something and were survived."""
