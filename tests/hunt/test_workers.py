@@ -10,8 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from canopen_twins.bench.limits import BUSY
 from canopen_twins.errors import UserError
-from canopen_twins.hunt import workers
+from canopen_twins.hunt import contract, workers
 from canopen_twins.hunt.workers import AHEAD, DEATHS, Pool, _receive, _send, watched
 
 
@@ -76,6 +77,10 @@ def test_what_takes_as_long_as_twenty_others_keeps_nobody_from_these(pool, tmp_p
     assert 2 * AHEAD > 20
     os.mkfifo(tmp_path / "pipe")
     assert [*pool(partial(meet, tmp_path / "pipe"), range(30))] == [*range(30)]
+
+
+def test_what_ends_a_loop_in_python_comes_before_it_is_said_to_hang_in_c():
+    assert BUSY * contract.WALL < workers.HANG
 
 
 def test_outcomes_come_in_the_order_of_the_items(pool):
