@@ -86,7 +86,7 @@ class Catalogue:
 
     def __init__(self, parameters: Iterable[Parameter]) -> None:
         self._table: dict[Unit, dict[int, Parameter]] = {unit: {} for unit in Unit}
-        self._defaults: dict[tuple[Unit, bool], dict[int, float]] = {}
+        self._defaults: dict[tuple[Unit, bool], Mapping[int, float]] = {}
         for parameter in parameters:
             table = self._table[parameter.control_unit]
             if parameter.number in table:
@@ -97,8 +97,8 @@ class Catalogue:
         """The parameters of one unit by number."""
         return self._table[unit]
 
-    def defaults(self, unit: Unit, *, writable: bool) -> dict[int, float]:
-        """Of its parameters that are set, or of those that are only shown; nobody changes it."""
+    def defaults(self, unit: Unit, *, writable: bool) -> Mapping[int, float]:
+        """Of its parameters that are set, or of those that are only shown."""
         if (unit, writable) not in self._defaults:
             wanted = [each for each in self.of(unit).values() if each.writable == writable]
             self._defaults[unit, writable] = {each.number: each.default for each in wanted}
@@ -186,7 +186,7 @@ def _number(text: str) -> float:
 class Store:
     """A changed value acts after it was saved and the unit was reset; otherwise it is lost (7)."""
 
-    def __init__(self, defaults: dict[int, float]) -> None:
+    def __init__(self, defaults: Mapping[int, float]) -> None:
         self._defaults = defaults
         self._edited: dict[int, float] = {}
         self._effective = defaults
@@ -220,7 +220,7 @@ class Store:
     def load(self, *, damaged: bool = False) -> None:
         """Begin with what was saved; with the defaults if that is damaged (3099 bit 5)."""
         self._edited, self._damaged = {}, damaged
-        self._effective = self._defaults | self._found
+        self._effective = {**self._defaults, **self._found}
 
     def after_reset(self, *, damaged: bool = False) -> "Store":
         """As the next start finds it, with what was saved or without."""
