@@ -37,6 +37,11 @@ def test_what_changes_nothing_comes_a_fifth_as_often():
     assert seen == {"idle": 11, "busy": 51}
 
 
+def test_what_stands_in_two_sources_comes_once():
+    keys = [plan.key for plan in Sweep([plans("one", 3), plans("one", 5), plans("other", 2)])]
+    assert len(keys) == len({*keys}) == 7
+
+
 def test_none_is_forgotten_and_all_come_to_their_end():
     def result(number, name, plan):
         return Result(plan, trace="same")

@@ -1,12 +1,12 @@
 """Which single fault comes next: kinds that change something come more often than others.
 
 Plans that are much alike stand in one source. All sources take turns; one whose last plan has
-changed nothing waits for longer. None is forgotten.
+changed nothing waits for longer. None is forgotten, and what stands in two of them comes once.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from canopen_twins.hunt.contract import Plan
 from canopen_twins.hunt.run import Result
@@ -22,7 +22,8 @@ class Sweep(Iterator[Plan]):
     """Single faults in an order that depends on what came of those before."""
 
     def __init__(self, sources: Sequence[Iterator[Plan]]) -> None:
-        self._sources = dict(enumerate(sources))
+        self._known: set[str] = set()
+        self._sources = dict(enumerate(map(self._new, sources)))
         self._due = dict.fromkeys(self._sources, 0.0)
         self._source_of: dict[str, int] = {}
         self._traces: set[str] = set()
@@ -37,6 +38,12 @@ class Sweep(Iterator[Plan]):
                 return plan
             del self._due[source]
         raise StopIteration
+
+    def _new(self, plans: Iterable[Plan]) -> Iterator[Plan]:
+        for plan in plans:
+            if plan.key not in self._known:
+                self._known.add(plan.key)
+                yield plan
 
     def learn(self, result: Result) -> None:
         """What has come of a plan."""
