@@ -125,6 +125,15 @@ def test_what_ends_it_may_come_before_it_begins(judged):
     ]
 
 
+def test_a_value_that_ends_it_may_come_and_go_before_it_begins(judged):
+    def refer(at, parts):
+        return f"  - {{at: {at}, write: {{Voltage reference: {parts}}}}}\n"
+
+    rule = LATER.replace("write: {Run command: 2}", "value: {Voltage reference: 7}")
+    told = f"{rule}steps:\n{error(1)}{refer(1.05, 7)}{refer(1.1, 8)}{command(1.5, 1)}"
+    assert judged(told) == []
+
+
 def test_what_ends_it_is_waited_for_when_it_has_begun(judged):
     told = f"{LATER}steps:\n{error(1)}{command(1.3, 2)}{command(1.5, 1)}"
     assert judged(told) == [(5, "once", "PASS")]

@@ -61,8 +61,8 @@ class Rule:
     def _ends_before(self, here: Position) -> Sequence[Watch]:
         """What watches for the end of an expectation until that begins."""
         before = self._expectation.before
-        if not self._whenever.seconds or before is None or before.matcher.polled:
-            return ()  # a look tells it when it has begun
+        if not self._whenever.seconds or before is None:
+            return ()
         end = Watch.of(before, self._bus, lambda told: None)
         end.listen(here)
         self._ends.append(end)
