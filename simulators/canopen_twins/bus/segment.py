@@ -169,10 +169,7 @@ class Segment(Generic[AnyEnd]):
             try:
                 key = frame.can_id, frame.remote
                 for node in nodes:
-                    wire = node.wire
-                    if wire is sender:
-                        continue
-                    if wire.heard is None or key in wire.heard or wire.incoming:
+                    if node.wire is not sender and node.wire.hears(key):
                         node.receive(frame)
             finally:
                 for listener in self.listeners:
