@@ -39,10 +39,10 @@ class Snapshot:
     """
 
     def __init__(
-        self, before: Sequence[Record], nodes: Sequence[Node], time: float, reports: Sequence[str]
+        self, before: str, nodes: Sequence[Node], time: float, reports: Sequence[str]
     ) -> None:
         self._nodes = nodes
-        self._before = last_frames(before, nodes)
+        self._before = before
         self._state = "\n".join(reports)
         self._mark = f"{time:12.6f}  ---- here"
         self._after: list[Record] = []
@@ -70,11 +70,13 @@ class RunLog:
         self._clock = clock
         self._begin = clock.ticks
         self._recent: deque[tuple[int, Frame, str]] = deque(maxlen=SHOWN)
+        self._told: tuple[int, str] | None = None  # a microsecond, and the frames before it
         self._open: list[Snapshot] = []
         self._decided: list[tuple[Outcome, Snapshot | None]] = []
 
     def begin(self) -> None:
         """The scenario begins now."""
+        self._told = None
         self._begin = self._clock.ticks
 
     @property
@@ -85,6 +87,7 @@ class RunLog:
     def hear(self, frame: Frame, sender: str) -> None:
         """Take a frame."""
         tick = self._clock.ticks
+        self._told = None
         self._recent.append((tick, frame, sender))
         if self._open:
             record = Record(self._seconds(tick), frame, sender)
@@ -136,7 +139,14 @@ class RunLog:
             device_report(node, records, since, expected if name == step.node else None)
             for name, node in self._nodes.items()
         ]
-        return Snapshot(records, tuple(self._nodes.values()), time, reports)
+        return Snapshot(self._before(records), tuple(self._nodes.values()), time, reports)
+
+    def _before(self, records: Sequence[Record]) -> str:
+        """The same for all that is decided at one moment, as all that is left is at the end."""
+        tick = self._clock.ticks
+        if self._told is None or self._told[0] != tick:
+            self._told = tick, last_frames(records, tuple(self._nodes.values()))
+        return self._told[1]
 
     def _seconds(self, tick: int) -> float:
         return (tick - self._begin) / MICROSECONDS
