@@ -129,10 +129,11 @@ def _plan(
 
 
 def _slot(space: Space) -> st.SearchStrategy[Any]:
-    faults, changes = space.options, space.changes
-    found = [st.sampled_from(faults).flatmap(lambda option: _fault(space, option))] * bool(faults)
-    if changes:
-        found.append(st.sampled_from(changes).flatmap(lambda change: _change(space, *change)))
+    found: list[st.SearchStrategy[Any]] = []
+    if space.options:
+        found.append(st.sampled_from(space.options).flatmap(lambda each: _fault(space, each)))
+    if space.changes:
+        found.append(st.sampled_from(space.changes).flatmap(lambda each: _change(space, *each)))
     return st.one_of(found) if found else st.none()
 
 

@@ -4,6 +4,7 @@ import logging
 from collections.abc import Callable
 
 from canopen_twins.bus.clock import microseconds
+from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.live import garbage
@@ -64,7 +65,7 @@ def drive(
     and go on in step, unless the clock `catches_up`.
     """
     orders, stalled = orders or Orders(), False
-    clock, receive, advance_to, send = segment.clock, bus.receive, segment.advance_to, segment.send
+    clock, advance_to, send = segment.clock, segment.advance_to, segment.send
     reached = passed = clock.now
     origin = wall() - reached
     while not stopped():
@@ -73,10 +74,7 @@ def drive(
         left = 0.0 if busy else due - passed
         if 0.0 < left < 2 * LONGEST_WAIT:  # it matters what has passed since the clock was asked
             left = due - wall() + origin
-        quiet = left > LONGEST_WAIT
-        frame = receive(LONGEST_WAIT if quiet else max(left, 0.0))
-        if quiet and frame is None:
-            garbage.search_while_quiet()
+        frame = _received(bus, left)
         passed = wall() - origin
         gap = passed - reached
         if gap > LONGEST_GAP:
@@ -95,3 +93,13 @@ def drive(
         if busy:
             orders.carry_out()
     advance_to(clock.now)  # what the last frame has set off at once
+
+
+def _received(bus: ReopenedBus, left: float) -> Frame | None:
+    """What comes before something is due; where that is far and nothing comes, nobody waits."""
+    if left <= LONGEST_WAIT:
+        return bus.receive(max(left, 0.0))
+    frame = bus.receive(LONGEST_WAIT)
+    if frame is None:
+        garbage.search_while_quiet()
+    return frame

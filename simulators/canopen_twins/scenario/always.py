@@ -1,7 +1,5 @@
 """What is expected every time that something is seen, beside the steps and as long as they last."""
 
-from collections.abc import Sequence
-
 from canopen_twins.bus.clock import microseconds
 from canopen_twins.scenario.actions import Expectation
 from canopen_twins.scenario.bus_events import Position
@@ -27,7 +25,7 @@ class Rule:
         self._log = resources.log
         self._watch: Watch | None = None
         self._ends: list[Watch] = []
-        """For what ends an expectation that has yet to begin."""
+        """What watches for the ends of those that have yet to begin."""
         self._run: ExpectationRun | None = None
         self._passed = 0
 
@@ -54,23 +52,23 @@ class Rule:
 
     def _set_off(self, told: str) -> None:
         clock, here = self._bus.clock, self._bus.position
-        ends = self._ends_before(here)
+        end = self._end_before(here)
         begin = clock.ticks + microseconds(self._whenever.seconds)
-        clock.at_tick(begin, lambda: self._begin(here, ends))  # not in the middle of what happens
+        clock.at_tick(begin, lambda: self._begin(here, end))  # not in the middle of what happens
 
-    def _ends_before(self, here: Position) -> Sequence[Watch]:
+    def _end_before(self, here: Position) -> Watch | None:
         """What watches for the end of an expectation until that begins."""
         before = self._expectation.before
         if not self._whenever.seconds or before is None:
-            return ()
+            return None
         end = Watch.of(before, self._bus, lambda told: None)
         end.listen(here)
         self._ends.append(end)
-        return (end,)
+        return end
 
-    def _begin(self, since: Position, ends: Sequence[Watch]) -> None:
-        is_over = any(not end.active for end in ends)
-        for end in ends:
+    def _begin(self, since: Position, end: Watch | None) -> None:
+        is_over = end is not None and not end.active
+        if end is not None:
             end.stop()
             self._ends.remove(end)
         if self._run is None and self._watch is not None and self._watch.active and not is_over:
