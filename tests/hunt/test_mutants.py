@@ -44,6 +44,14 @@ def test_a_mutant_is_found_with_one_thing_beyond_the_contract(hunted, tmp_path, 
     assert [find.plan.size for find in report.finds] == [1]
 
 
+def test_an_answer_that_comes_just_too_late_is_tried(hunted, tmp_path):
+    (mutant,) = [each for each in MUTANTS if each.name == "late answer taken for the next"]
+    contract = mutant.put_into(tmp_path)
+    contract.write_text(contract.read_text() + "space: {faults: [sdo_silence, sdo_late]}\n")
+    (find,) = hunted(contract, 50).finds
+    assert (find.plan.faults, find.plan.size) == (("sdo_late",), 1)
+
+
 WRONG = {
     "run before operational": {"frame_lost": {"frame": "000#*", "times": 2}},
     "abort read as data": {"sdo_abort": {"object": "Nominal voltage", "times": 1}},

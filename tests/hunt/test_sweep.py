@@ -37,6 +37,19 @@ def test_what_changes_nothing_comes_a_fifth_as_often():
     assert seen == {"idle": 11, "busy": 51}
 
 
+def test_what_a_plan_suggests_comes_when_the_others_have_had_their_turn():
+    def suggested(result):
+        return [plans("more", 2), plans("most", 1)] if result.plan.faults == ("one",) else []
+
+    sweep = Sweep([plans("one", 1), plans("other"), plans("another")], suggested)
+    names = []
+    for number, plan in zip(range(9), sweep, strict=False):
+        names += plan.faults
+        sweep.learn(Result(plan, trace=str(number)))
+    first, later = ["one", "other", "another"], ["other", "another"]
+    assert names == [*first, "more", "most", *later, "more", "other"]
+
+
 def test_what_stands_in_two_sources_comes_once():
     keys = [plan.key for plan in Sweep([plans("one", 3), plans("one", 5), plans("other", 2)])]
     assert len(keys) == len({*keys}) == 7

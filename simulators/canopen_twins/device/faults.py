@@ -85,7 +85,8 @@ class Parameter(NamedTuple):
 
     A parameter without default has to be given. A number has to be in `low`..`high`, and is never
     beyond `LARGEST`; one of kind `object` is a number or a text. `examples` are what a hunt tries
-    where the range does not tell.
+    where the range does not tell. One that `delays_answers` says by how many seconds an answer to
+    the master is late: a hunt tries for how long he waits for it.
     """
 
     text: str
@@ -94,6 +95,7 @@ class Parameter(NamedTuple):
     low: float = -inf
     high: float = inf
     examples: tuple[int | float | str, ...] = ()
+    delays_answers: bool = False
 
     @property
     def declaration(self) -> Mapping[str, object]:

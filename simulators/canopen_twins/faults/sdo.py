@@ -217,7 +217,7 @@ def other_size(by: int) -> Effect:
 
 
 GENERAL_ERROR = 0x0800_0000
-SECONDS = Parameter("by how much, in s", 1.0, low=0)
+SECONDS = Parameter("by how much, in s", 1.0, low=0, delays_answers=True)
 INITIATE: Mapping[str, Parameter] = {**OBJECT, **ACCESS, **AIM}
 ANYWHERE: Mapping[str, Parameter] = {**OBJECT, **ACCESS, **SEGMENT, **AIM}
 LATER = {"segment": Parameter("n: the n-th request after the initiate", 1, int, low=1)}

@@ -14,6 +14,7 @@ from canopen_twins.device.node import Node
 from canopen_twins.files.writer import Verbatim
 from canopen_twins.hunt.contract import Contract
 from canopen_twins.hunt.run import judged
+from canopen_twins.hunt.waits import Wait
 from canopen_twins.scenario import Player, Scenario, Verdict
 from canopen_twins.scenario.bus_events import BusEvent, BusEvents, Changed, Sent, Wrote
 from canopen_twins.scenario.matchers import COMMAND_LENGTH, NAMES
@@ -33,6 +34,7 @@ class Access(NamedTuple):
     """As a file names it."""
     access: str
     """Read or write."""
+    address: Address
 
 
 @dataclass
@@ -48,6 +50,8 @@ class Events:
     accesses: dict[Access, list[float]] = field(default_factory=dict)
     frames: dict[str, dict[str, list[float]]] = field(default_factory=dict)
     """By nodes that send or hear them, and by patterns such as 585#*."""
+    waits: list[Wait] = field(default_factory=list)
+    """What the master does for want of an answer, learnt from other runs."""
 
 
 class EventRecorder:
@@ -105,8 +109,8 @@ class EventRecorder:
                 specifier = sdo.specifier(frame.data)
                 if specifier in (sdo.Ccs.UPLOAD, sdo.Ccs.DOWNLOAD):
                     access = sdo.READ if specifier == sdo.Ccs.UPLOAD else sdo.WRITE
-                    named = self._name(node, sdo.address(frame.data))
-                    key = Access(name, named, access)
+                    address = sdo.address(frame.data)
+                    key = Access(name, self._name(node, address), access, address)
                     self.events.accesses.setdefault(key, []).append(self._now)
             elif (command := _command(frame, node)) is not None:
                 self._moment(node, {"nmt": command})

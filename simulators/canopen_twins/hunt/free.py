@@ -141,7 +141,7 @@ def _fault(space: Space, option: Option) -> st.SearchStrategy[Any]:
     return st.builds(
         option.at,
         st.sampled_from(space.moments[option.node]),
-        st.sampled_from(option.parameters + option.aims),
+        st.sampled_from([*option.parameters, *option.aims, *space.delayed(option)]),
         st.sampled_from(option.lengths),
     )
 

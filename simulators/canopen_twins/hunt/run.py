@@ -18,6 +18,7 @@ from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
 from canopen_twins.hunt.contract import Contract, Plan
+from canopen_twins.hunt.waits import Wait, WaitRecorder
 from canopen_twins.hunt.workers import Death, watched
 from canopen_twins.scenario import Kind, Outcome, Player, Scenario, Verdict, play
 from canopen_twins.scenario.player import LEFT_BEHIND
@@ -67,6 +68,8 @@ class Result:
     """In the order of time."""
     fired: int = 0
     """How many of the disturbances have come."""
+    waits: tuple[Wait, ...] = ()
+    """What the master has done for want of an answer."""
     verdict: Verdict | None = None
     """With the words; for those that have failed."""
     whereabouts: tuple[str, ...] = ()
@@ -110,6 +113,7 @@ def run_to_compare(contract: Contract, plan: Plan) -> Result:
         verdict.seconds,
         tuple(observer.cells),
         observer.fired,
+        observer.waits,
         verdict if failed else None,
         tuple(failed.values()),
         tuple(observer.frames),
@@ -197,6 +201,7 @@ class Observer:
         self._player: Player
         self._nodes: dict[str, Node] = {}
         self._phase = ""
+        self._recorder = WaitRecorder()
         self._asked: dict[int, str] = {}  # what each node owes an answer to, by its identifier
         self._last: dict[int, str] = {}  # what the master has asked it for last
 
@@ -204,6 +209,11 @@ class Observer:
     def fired(self) -> int:
         """How many disturbances have come."""
         return len(self._player.fired)
+
+    @property
+    def waits(self) -> tuple[Wait, ...]:
+        """What the master has done for want of an answer."""
+        return self._recorder.waits
 
     def attach(self, segment: Segment[Node], player: Player) -> None:
         """Hear everything from now on."""
@@ -218,8 +228,14 @@ class Observer:
         if len(frame.data) == sdo.LENGTH and not frame.extended:
             if sender in self._nodes:
                 self._asked.pop(frame.can_id, None)
-            elif (told := _access(frame)) is not None:
+                if sdo.is_answer(frame, self._nodes[sender].node_id):
+                    self._recorder.answer(sender, frame.data, tick)
+                return
+            if (told := _access(frame)) is not None:
                 self._last[frame.can_id - 0x80] = self._asked[frame.can_id - 0x80] = told
+            for name, node in self._nodes.items():
+                if sdo.is_request(frame, node.node_id):
+                    self._recorder.ask(name, frame.data, tick)
 
     def _follow(self, event: PlayerEvent) -> None:
         if event.kind == "step" and event.node:  # it is told before it is carried out

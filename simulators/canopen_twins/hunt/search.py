@@ -113,7 +113,7 @@ class Hunt:
         events, space = self._without_faults()
         self._try_known()
         self._try(space.at_delivery())
-        self._sweep = Sweep(space.singles())
+        self._sweep = Sweep(space.singles(), lambda result: space.learn(result.waits))
         self._try(islice(self._sweep, FIRST))
         if space.limits.most > 1:
             self._try(islice(self._pairs(), PAIRS))

@@ -16,6 +16,7 @@ from canopen_twins.hunt.run import Failure, Result
 MOST_RUNS, MOST_IN_REAL_TIME, MOST_DEATHS = 200, 12, 8
 LEAST_SECONDS, MOST_SECONDS = 20.0, 120.0
 """Of real time, when a hunt is over meanwhile and else; runs that hang take long."""
+DIGITS = (1, 2, 3)  # of a time that none of the round ones can replace
 ROUND = (1.0, 2.0, 5.0, 10.0, 0.5, 0.2, 0.1, 3.0, 4.0, 20.0, 0.05, 0.02, 0.01)
 """Times, the roundest first."""
 
@@ -127,6 +128,9 @@ def _rounder(time: float) -> Iterator[float]:
     """Times that are rounder than this one."""
     place = ROUND.index(time) if time in ROUND else len(ROUND)
     yield from ROUND[:place]
+    yield from dict.fromkeys(
+        shorter for digits in DIGITS if (shorter := round(time, digits)) != time
+    )
 
 
 def _shorter(plan: Plan, parts: int) -> Iterator[Plan]:

@@ -6,7 +6,7 @@ so that it is still there when something before it has changed.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from itertools import islice, permutations, product
 from math import inf, isfinite
@@ -22,6 +22,7 @@ from canopen_twins.faults import connect
 from canopen_twins.files.writer import Verbatim
 from canopen_twins.hunt.contract import Disturbance, Plan
 from canopen_twins.hunt.events import Events
+from canopen_twins.hunt.waits import NEXT, Wait
 from canopen_twins.scenario import Scenario
 from canopen_twins.scenario.actions import Set
 from canopen_twins.scenario.compile import ARBITRATION
@@ -54,7 +55,7 @@ MOMENTS = (0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 OF_TIME = ("seconds", "pause")
 BY_AIM = ("nth", "probability", "burst", "seed", "frame")
 MOST_ORDERS = 23  # those of four nodes
-MOST_WORDS, MOST_OBJECTS, MOST_MEASURED = 3, 16, 8
+MOST_WORDS, MOST_OBJECTS, MOST_MEASURED, MOST_WAITS = 3, 16, 8, 3
 AIMS = 6
 """Of one fault, which are tried one after the other; its others are tried beside them."""
 HEX = ("code", "number", "cob_id", "value")
@@ -81,6 +82,8 @@ class Option:
     """Simple first."""
     aims: tuple[Mapping[str, Any], ...]
     """The same at one frame or one access each: those of the run without any fault."""
+    delay: str
+    """The parameter that says how late an answer is; empty if none does."""
     lengths: tuple[float | None, ...]
     """Seconds; None: as long as it takes to be struck, or until everything heals."""
 
@@ -187,6 +190,60 @@ class Space:
         ):
             yield option.at(moment, parameters, length)
 
+    # Answers that are just too late
+
+    def learn(self, waits: Iterable[Wait]) -> Iterator[Iterator[Plan]]:
+        """What a run has shown: the shortest is tried at every access, others at theirs.
+
+        The next request may be the same again, and its answer as good; what comes before the answer
+        to the one after that is of another object, and each of these takes a turn of its own.
+        """
+        for wait in waits:
+            if (new := self._new(wait)) is None:
+                continue
+            self.events.waits.append(new)
+            together = 1 if new.request == NEXT else AIMS
+            late = [Plan((each,)) for option in self.options for each in self._late(option, new)]
+            for first in range(0, len(late), together):
+                yield iter(late[first : first + together])
+
+    def _new(self, wait: Wait) -> Wait | None:
+        """It, for as many accesses as it is of use; None if it is known."""
+        known = [
+            each
+            for each in self.events.waits
+            if (each.node, each.request) == (wait.node, wait.request)
+        ]
+        everywhere = [each for each in known if each.address is None]
+        if all(wait.seconds < each.seconds for each in everywhere):
+            wait = wait._replace(address=None)
+        same = [each for each in known if each.is_for(wait.address, wait.access)]
+        is_known = any(abs(each.seconds - wait.seconds) <= wait.answer for each in same)
+        is_of_use = len(same) < MOST_WAITS and wait.seconds <= self.limits.longest
+        return wait if is_of_use and not is_known else None
+
+    def _late(self, option: Option, wait: Wait) -> Iterator[Disturbance]:
+        """Aimed at an access from the beginning on, else when all is well and settled."""
+        for parameters in self._delayed(option, wait):
+            is_aimed = "object" in parameters
+            moments = self.moments[option.node] if is_aimed else self._in_turn(option.node)
+            yield from (option.at(moment, parameters, None) for moment in moments[:1])
+
+    def delayed(self, option: Option) -> list[Mapping[str, Any]]:
+        """What a fault that delays answers can be given besides, as far as anything is learnt."""
+        return [each for wait in self.events.waits for each in self._delayed(option, wait)]
+
+    def _delayed(self, option: Option, wait: Wait) -> list[Mapping[str, Any]]:
+        if not option.delay or option.node != wait.node:
+            return []
+        fault = self._nodes[option.node].faults.known[option.fault]
+        told = fault.parameters[option.delay]
+        if not told.low <= wait.seconds <= told.high:
+            return []
+        late = {**option.parameters[0], option.delay: wait.seconds}
+        whatever = [late] if wait.address is None else []
+        return [*whatever, *self._accesses(option.node, fault, late, wait)]
+
     def _set(self, node: str, key: str, value: object) -> Iterator[Disturbance]:
         for moment in self._in_turn(node):
             yield self.change(moment, node, key, value)
@@ -265,7 +322,8 @@ class Space:
         if not taken:
             self.left_out[name] = "the device takes none of the values that are known to be tried"
             return None
-        return Option(node, self._several, name, taken, aimed, tuple(lengths))
+        delay = next((key for key, told in fault.parameters.items() if told.delays_answers), "")
+        return Option(node, self._several, name, taken, aimed, delay, tuple(lengths))
 
     def _is_taken(self, node: str, fault: str, parameters: Mapping[str, Any]) -> bool:
         """Whether the device takes it, without power."""
@@ -306,13 +364,15 @@ class Space:
                 variants.append({**base, "frame": frame, "nth": 2})
         return variants
 
-    def _accesses(self, node: str, fault: Fault, base: Mapping[str, Any]) -> list[dict[str, Any]]:
-        """Those of the master, each the first time and the last."""
+    def _accesses(
+        self, node: str, fault: Fault, base: Mapping[str, Any], wait: Wait | None = None
+    ) -> list[dict[str, Any]]:
+        """Those of the master, each the first time and the second; with a wait, as it is for."""
         if not {"object", "times"} <= fault.parameters.keys():
             return []
         variants = []
         for access, times in self.events.accesses.items():
-            if access.node == node:
+            if access.node == node and (wait is None or wait.is_for(access.address, access.access)):
                 aimed = {**base, "object": access.object}
                 if "access" in fault.parameters:
                     aimed["access"] = access.access
