@@ -29,7 +29,7 @@ CRASHES = CAREFUL.replace("        pass\n", "        __import__('ctypes').string
 @pytest.mark.timeout(300)
 def test_a_plan_that_ends_the_process_of_its_master_is_a_find(hunted, tmp_path):
     (tmp_path / "finds").mkdir()
-    code, said = hunted(CRASHES, "--runs", "4", "--finds", "finds")
+    code, said = hunted(CRASHES, "--runs", "2", "--finds", "finds")
     assert code == 1
     told = "has ended its process: SIGSEGV in my_master.py:22"
     assert f"finds/hunt-1.twin.yaml: master my_master:main: {told}\n" in said
@@ -43,7 +43,7 @@ def test_a_plan_that_ends_the_process_of_its_master_is_a_find(hunted, tmp_path):
     assert done.returncode == -signal.SIGSEGV
     assert 'my_master.py", line 22 in keep' in done.stderr
 
-    code, said = hunted(CRASHES, "--runs", "3", "--finds", "finds")
+    code, said = hunted(CRASHES, "--runs", "1", "--finds", "finds")
     assert (code, "still fails: master my_master:main: has ended" in said) == (1, True)
 
 
@@ -125,7 +125,7 @@ def test_a_master_that_deletes_its_directory_keeps_no_find_from_being_written(
 ):
     (tmp_path / "finds").mkdir()
     deleted = f"FOLDER = {str(tmp_path / folder)!r}\n{DELETES}"
-    code, said = hunted(deleted, "--runs", "6", "--finds", "finds")
+    code, said = hunted(deleted, "--runs", "2", "--finds", "finds")
     assert (code, (tmp_path / "finds" / "hunt-1.twin.yaml").is_file()) == (1, True), said
 
 

@@ -5,8 +5,11 @@ import re
 import shutil
 import subprocess
 import sys
+from contextlib import redirect_stdout
+from io import StringIO
 from itertools import islice
 from pathlib import Path
+from typing import NamedTuple
 from xml.etree import ElementTree
 
 import pytest
@@ -28,26 +31,68 @@ from canopen_twins.hunt.space import Space
 from .masters import BRITTLE, CAREFUL, CONTRACT, HASTY
 
 
-def test_a_careful_master_is_left_in_peace(hunted, tmp_path):
-    code, said = hunted(CAREFUL, "--runs", "20")
-    assert (code, "0 finds" in said) == (0, True)
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_a_careful_master_is_left_in_peace_for_as_many_runs_as_were_wanted(hunted, tmp_path, jobs):
+    code, said = hunted(CAREFUL, "--runs", "20", "--jobs", jobs, "--json")
+    told = json.loads(said)
+    assert (code, told["runs"], told["finds"]) == (0, 20, [])
     assert not [*tmp_path.glob("hunt-*")]
 
 
-def test_what_a_lost_answer_ends_is_found_and_told_with_its_line(hunted, tmp_path):
-    code, said = hunted(BRITTLE, "--runs", "14")
+class Hunted(NamedTuple):
+    """What has come of a hunt, and its folder."""
+
+    code: int
+    said: str
+    folder: Path
+
+    @property
+    def texts(self):
+        return {file.read_text() for file in self.folder.glob("hunt-*.twin.yaml")}
+
+
+def hunt(folder, master, *arguments):
+    (folder / "my_master.py").write_text(master)
+    (folder / "contract.yaml").write_text(CONTRACT)
+    told = ["hunt", "contract.yaml", "--master", "my_master:main", *arguments]
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(StringIO()) as said:
+        patch.chdir(folder)
+        code = main(told)
+    return Hunted(code, said.getvalue(), folder)
+
+
+@pytest.fixture(scope="module")
+def brittle(tmp_path_factory):
+    """A hunt in one process, with all reports."""
+    reports = ["--json", "--junit", "report.xml", "--html", "report.html"]
+    return hunt(tmp_path_factory.mktemp("brittle"), BRITTLE, "--runs", "14", *reports)
+
+
+@pytest.fixture(scope="module")
+def brittle_of_two(tmp_path_factory):
+    """The same in two processes, in words."""
+    return hunt(tmp_path_factory.mktemp("brittle"), BRITTLE, "--runs", "14", "--jobs", "2")
+
+
+@pytest.fixture(scope="module")
+def hasty(tmp_path_factory):
+    return hunt(tmp_path_factory.mktemp("hasty"), HASTY, "--runs", "8")
+
+
+def test_what_a_lost_answer_ends_is_found_and_told_with_its_line(brittle_of_two):
+    code, said, folder = brittle_of_two
     assert code == 1
     assert re.search(
         "SdoCommunicationError: No SDO response received in my_master.py:(19|20)", said
     )
-    find = yaml.safe_load((tmp_path / "hunt-1.twin.yaml").read_text())
+    find = yaml.safe_load((folder / "hunt-1.twin.yaml").read_text())
     assert find["steps"] == []  # none of the contract matters
     assert len(find["disturbances"]) == 1
     assert "not answered: the fault sdo_silence" in find["note"]
 
 
 def test_a_contract_needs_no_steps(hunted, tmp_path):
-    code, _ = hunted(HASTY, "--runs", "24", contract=CONTRACT.partition("steps:")[0])
+    code, _ = hunted(HASTY, "--runs", "8", contract=CONTRACT.partition("steps:")[0])
     assert code == 1
     find = yaml.safe_load((tmp_path / "hunt-1.twin.yaml").read_text())
     assert (find["steps"], [*find["recovers"]]) == ([], ["within", "when"])
@@ -56,14 +101,14 @@ def test_a_contract_needs_no_steps(hunted, tmp_path):
 
 def test_a_find_says_where_the_master_waits(hunted, tmp_path):
     stuck = CAREFUL.replace("        pass\n", "        time.sleep(1000)\n")
-    hunted(stuck, "--runs", "14")
+    hunted(stuck, "--runs", "2")
     find = yaml.safe_load((tmp_path / "hunt-1.twin.yaml").read_text())
     assert "The master waits in my_master.py:22 in keep." in find["note"], find["note"]
 
 
-def test_a_find_fails_the_same_way_in_play_and_in_another_process(hunted, tmp_path, capsys):
-    hunted(HASTY, "--runs", "24")
-    file = tmp_path / "hunt-1.twin.yaml"
+def test_a_find_fails_the_same_way_in_play_and_in_another_process(hasty, monkeypatch, capsys):
+    monkeypatch.chdir(hasty.folder)
+    file = hasty.folder / "hunt-1.twin.yaml"
     assert main(["play", file.name, "--json"]) == 1
     here = json.loads(capsys.readouterr().out)
     there = subprocess.run(
@@ -83,16 +128,9 @@ def test_a_find_fails_the_same_way_in_play_and_in_another_process(hunted, tmp_pa
 
 def test_a_master_that_spins_is_a_find_too(hunted, tmp_path):
     spins = CAREFUL.replace("        pass\n", "        while True:\n            time.monotonic()\n")
-    code, said = hunted(spins, "--runs", "14")
+    code, said = hunted(spins, "--runs", "2")
     assert (code, "a loop asks for the time and never waits, at " in said) == (1, True)
     assert "in my_master.py:23\n" in said
-
-
-def test_the_same_seed_finds_the_same(hunted, tmp_path):
-    hunted(HASTY, "--runs", "24")
-    first = (tmp_path / "hunt-1.twin.yaml").read_text()
-    hunted(HASTY, "--runs", "24")
-    assert (tmp_path / "hunt-2.twin.yaml").read_text() == first
 
 
 def test_the_free_search_depends_on_its_seed_alone(tmp_path, monkeypatch):
@@ -140,19 +178,18 @@ def test_who_is_tested_has_to_be_said(tmp_path, capsys):
     assert "who is tested? Say --master MODULE:FUNCTION" in capsys.readouterr().err
 
 
-def test_finds_of_before_are_played_first_and_not_written_again(hunted, tmp_path):
+def test_finds_of_before_are_played_first_and_not_written_again(hasty, hunted, tmp_path):
     (tmp_path / "finds").mkdir()
-    hunted(HASTY, "--runs", "24", "--finds", "finds")
-    code, said = hunted(HASTY, "--runs", "24", "--finds", "finds")
+    shutil.copy(hasty.folder / "hunt-1.twin.yaml", tmp_path / "finds")
+    code, said = hunted(HASTY, "--runs", "9", "--finds", "finds")
     assert (code, "finds/hunt-1.twin.yaml: still fails: back within" in said) == (1, True)
     assert len([*(tmp_path / "finds").iterdir()]) == 1
-    code, said = hunted(CAREFUL, "--runs", "12", "--finds", "finds")
+    code, said = hunted(CAREFUL, "--runs", "2", "--finds", "finds")
     assert (code, "finds/hunt-1.twin.yaml: passes now" in said) == (0, True)
 
 
-def test_the_report_is_for_programs_for_ci_and_a_page(hunted, tmp_path):
-    reports = ["--json", "--junit", "report.xml", "--html", "report.html"]
-    code, said = hunted(BRITTLE, "--runs", "14", *reports)
+def test_the_report_is_for_programs_for_ci_and_a_page(brittle):
+    code, said, folder = brittle
     told = json.loads(said)
     assert (code, told["runs"] >= 14, len(told["finds"]) >= 1) == (1, True, True)
     assert told["finds"][0]["place"] in ("my_master.py:19", "my_master.py:20")
@@ -161,10 +198,10 @@ def test_the_report_is_for_programs_for_ci_and_a_page(hunted, tmp_path):
         "power_cycle",
         "heartbeat_stopped",
     }
-    cases = ElementTree.parse(tmp_path / "report.xml").iter("testcase")
+    cases = ElementTree.parse(folder / "report.xml").iter("testcase")
     failed = [case.get("name") for case in cases if case.find("failure") is not None]
     assert "hunt-1.twin.yaml: master my_master:main" in failed
-    page = (tmp_path / "report.html").read_text()
+    page = (folder / "report.html").read_text()
     assert "<th>power_cycle</th>" in page
     assert "class=fail" in page
     assert "disturbances:" in page
@@ -188,8 +225,8 @@ import my_master
 
 
 def test_it_survives(canopen_hunt):
-    report = canopen_hunt("contract.yaml", my_master.main, runs=20)
-    assert report.runs >= 20
+    report = canopen_hunt("contract.yaml", my_master.main, runs=6)
+    assert report.runs >= 6
 """
 
 
@@ -248,20 +285,9 @@ def test_every_fault_of_every_device_says_in_which_weather_it_comes():
     assert {weather.least for weather in WEATHER.values()} <= set(WEATHERS)
 
 
-def test_several_processes_find_the_same(hunted, tmp_path):
-    found = []
-    for jobs in ("1", "2"):
-        (tmp_path / jobs).mkdir()
-        hunted(BRITTLE, "--runs", "14", "--jobs", jobs, "--finds", jobs)
-        found.append({file.read_text() for file in (tmp_path / jobs).iterdir()})
-    assert found[0]
-    assert found[0] <= found[1]  # those that were asked for are played
-
-
-@pytest.mark.parametrize("jobs", ["1", "2"])
-def test_as_many_runs_are_played_as_were_wanted(hunted, jobs):
-    code, said = hunted(CAREFUL, "--runs", "20", "--jobs", jobs, "--json")
-    assert (code, json.loads(said)["runs"]) == (0, 20)
+def test_several_processes_find_the_same(brittle, brittle_of_two):
+    assert brittle.texts
+    assert brittle.texts <= brittle_of_two.texts  # those that were asked for are played
 
 
 COMMAND = """\
@@ -289,11 +315,11 @@ def test_a_master_of_any_language_is_hunted_in_real_time(tmp_path, monkeypatch, 
     (tmp_path / "contract.yaml").write_text("""\
 version: 1
 node: {device: topcon, node_id: 5}
-duration: 5
+duration: 2
 space: {faults: [sdo_abort]}
 steps:
   - at: 0
-    expect: {frame: "605#40*", from: master, within: 5}
+    expect: {frame: "605#40*", from: master, within: 2}
 """)
     command = [sys.executable, "master.py"]
     assert main(["hunt", "contract.yaml", "--runs", "1", "--", *command]) == 1
@@ -448,19 +474,21 @@ def test_what_the_contract_sets_is_left_to_it(io_block, tmp_path):
 
 def test_objects_may_be_what_goes_wrong_and_nothing_else(hunted, io_block, tmp_path):
     space = "space: {faults: [], settings: {0x6401:01: [-5]}}\n"
-    _, said = hunted(SIGN, "--runs", "20", contract=COOLS + space)
+    _, said = hunted(SIGN, "--runs", "2", contract=COOLS + space)
     assert "set 0x6401:01: 1 step beyond the contract" in said
 
 
 def test_a_device_of_a_file_is_found_out_from_another_folder(hunted, io_block, tmp_path):
     (tmp_path / "finds").mkdir()
     master = BRITTLE.replace("0x2010: 2000, 0x2014: 1", "0x1017: 500")
-    code, said = hunted(master, "--runs", "14", "--finds", "finds", contract=EDS_CONTRACT)
+    code, said = hunted(master, "--runs", "2", "--finds", "finds", contract=EDS_CONTRACT)
     assert (code, "thrown away" in said) == (1, False), said
     assert main(["play", "finds/hunt-1.twin.yaml"]) == 1
 
 
-def test_a_find_is_there_before_it_is_simple(tmp_path, monkeypatch):
+def test_a_find_is_there_before_it_is_simple_and_the_same_seed_finds_it(
+    hasty, tmp_path, monkeypatch
+):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "my_master.py").write_text(HASTY)
     (tmp_path / "contract.yaml").write_text(CONTRACT)
@@ -470,15 +498,16 @@ def test_a_find_is_there_before_it_is_simple(tmp_path, monkeypatch):
         for find in report.finds:
             seen.append((find.file.name, find.plan.left_out, find.file.read_text() == find.text))
 
-    Hunt(Contract(Path("contract.yaml"), "my_master:main"), budget=Budget(24), tell=tell).hunt()
+    Hunt(Contract(Path("contract.yaml"), "my_master:main"), budget=Budget(8), tell=tell).hunt()
     assert seen[0] == ("hunt-1.twin.yaml", (), True)
     assert seen[-1] == ("hunt-1.twin.yaml", (0,), True)  # its step does not matter
     assert [path.name for path in tmp_path.glob("*.twin.yaml")] == ["hunt-1.twin.yaml"]
+    assert hasty.texts == {(tmp_path / "hunt-1.twin.yaml").read_text()}
 
 
 def test_a_find_takes_a_name_that_nobody_has_and_leaves_nothing_else(hunted, tmp_path):
     (tmp_path / "hunt-1.twin.yaml").write_text("somebody's\n")
-    assert hunted(BRITTLE, "--runs", "30")[0] == 1
+    assert hunted(BRITTLE, "--runs", "2")[0] == 1
     assert (tmp_path / "hunt-1.twin.yaml").read_text() == "somebody's\n"
     names = {path.name for path in tmp_path.glob("*.twin.yaml")}
     assert "hunt-2.twin.yaml" in names
