@@ -14,7 +14,7 @@ import sys
 import sysconfig
 import threading
 import traceback
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
@@ -140,7 +140,7 @@ class PythonMaster:
         name, _, function = self.name.partition(":")
         folders = [str(folder) for folder in self.folders]
         package = name.partition(".")[0]
-        before = _of_project(folders, package)
+        before = _of_project(folders, package, list(sys.modules))
         path = list(sys.path)
         for module in before:
             del sys.modules[module]
@@ -150,10 +150,10 @@ class PythonMaster:
         try:
             importlib.invalidate_caches()
             found = _attribute(self.name, _import(self.name, name), function)
-            yield found, list(_of_project(folders, package, known).values())
+            yield found, list(_of_project(folders, package, _new(known)).values())
         finally:
             sys.path[:] = path
-            for module in _of_project(folders, package, known):
+            for module in _of_project(folders, package, _new(known)):
                 del sys.modules[module]
             sys.modules.update(before)
             if here is not None:
@@ -169,17 +169,21 @@ def _here() -> Path | None:
 
 
 def _of_project(
-    folders: Sequence[str], package: str, known: Collection[str] = ()
+    folders: Sequence[str], package: str, names: Iterable[str]
 ) -> dict[str, ModuleType]:
-    """The modules that are the user's own, but known ones: of his package, or below his folders."""
+    """Those modules that are the user's own: of his package, or below his folders."""
     below = tuple(os.path.join(folder, "") for folder in folders)  # noqa: PTH118 - of a prefix
     return {
         name: module
-        for name, module in list(sys.modules.items())
-        if name not in known and name not in ("__main__", OURS)
-        if not name.startswith(f"{OURS}.")
+        for name in names
+        if (module := sys.modules.get(name)) is not None
+        if name not in ("__main__", OURS) and not name.startswith(f"{OURS}.")
         if name == package or name.startswith(f"{package}.") or _is_below(module, below)
     }
+
+
+def _new(known: Collection[str]) -> list[str]:
+    return [name for name in sys.modules if name not in known]
 
 
 def _is_below(module: ModuleType, folders: tuple[str, ...]) -> bool:

@@ -227,12 +227,14 @@ class Item:
             raise self.wrong(self._no_table())
         pairs: dict[str, Pair] = {}
         for nodes in self.node.value:
-            pair = Pair(*(Item(node, self.problems) for node in nodes))
-            with self.problems.at(pair.key):
-                first = pairs.setdefault(pair.key.text, pair)
-                if first is not pair:
-                    again = f"{pair.key.text!r} stands here twice, first in line {first.key.line}"
-                    raise pair.key.wrong(f"{again}; leave one of them out")
+            key, value = (Item(node, self.problems) for node in nodes)
+            try:
+                first = pairs.setdefault(key.text, Pair(key, value))
+                if first.key is not key:
+                    again = f"{key.text!r} stands here twice, first in line {first.key.line}"
+                    raise key.wrong(f"{again}; leave one of them out")
+            except UserError as refusal:
+                self.problems.add(refusal, key.mark)
         return pairs
 
     def _no_table(self) -> str:

@@ -5,6 +5,7 @@ What it refuses is pointed at there, so that a typo never reaches the bus.
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import fields
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -29,9 +30,9 @@ BESIDE = {"node_id": "node id", TIMING: TIMING}
 class Rehearsal:
     """A node that follows the steps as far as settings and faults go."""
 
-    def __init__(self, node: Node, seed: int | None) -> None:
+    def __init__(self, node: Node, objects: Targets, seed: int | None) -> None:
         self.name = node.wire.name
-        self.objects = Targets(node.device.dictionary())
+        self.objects = objects
         self._device = node.device
         self.knows = node.device.knows
         self._faults = node.faults
@@ -115,7 +116,7 @@ class Participants:
             if node is not None:
                 spec, device = self._made(node)
                 twin = connect(self._bus, device, name)
-                self._rehearsals[name] = Rehearsal(twin, self._seed)
+                self._rehearsals[name] = Rehearsal(twin, _objects(spec), self._seed)
                 self.specs[name] = spec
 
     def rehearsal(self, name: Item | None, place: Item) -> Rehearsal:
@@ -166,6 +167,15 @@ class Participants:
         except UserError:
             _blame(kind, given)
             raise
+
+
+def _objects(spec: NodeSpec) -> Targets:
+    return _objects_of(spec.device, tuple(spec.settings.items()))
+
+
+@lru_cache(maxsize=8)  # a hunt reads the same nodes thousands of times
+def _objects_of(kind: type[Device], settings: tuple[tuple[str, object], ...]) -> Targets:
+    return Targets(kind(**dict(settings)).dictionary())
 
 
 def _settings(kind: type[Device]) -> set[str]:
