@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import socket
 import subprocess
@@ -82,7 +83,7 @@ class MasterProcess:
     def __init__(
         self, command: Sequence[str], place: BusPlace, grace: float = GRACE, **streams: Any
     ) -> None:
-        """Raises `UserError` as `BusPlace.filled` does.
+        """Raises `UserError` as `BusPlace.filled` does, and where there is no such program.
 
         Args:
             command: A program and its arguments.
@@ -92,6 +93,8 @@ class MasterProcess:
         """
         self._words = " ".join(command)  # the same in every run: names of tests have it
         self._command = place.filled(command)
+        if shutil.which(self._command[0]) is None:  # said before anybody is told it is ready
+            raise UserError(f"{self._command[0]}: no such program, or none that may be run")
         self._environment = {**os.environ, **place.environment}
         self._grace = grace
         self._streams = streams
