@@ -151,6 +151,22 @@ SECTIONS = {
         ),
         Figure("all of the TopCon, played", "test_play", "simulated time", 683.0),
     ],
+    "A hunt": [
+        Figure(
+            "one run, 30 s of a TopCon and its master",
+            "test_run",
+            "real time",
+            30.0,
+            Goal(time=0.05),
+        ),
+        Figure(
+            "60 such runs by two workers",
+            "test_workers[2]",
+            "by one",
+            "test_workers[1]",
+            Goal(ratio=1.8),
+        ),
+    ],
     "Start": [
         Figure(
             "twin made and read, every one but the first",
@@ -171,6 +187,7 @@ SECTIONS = {
             "test_fresh[import-bench]",
             "`import canopen`",
             "test_fresh[import-canopen]",
+            Goal(ratio=0.71),
         ),
         Figure(
             "`import canopen_twins`",

@@ -25,6 +25,11 @@ NOTES = {
         "Reading a file means YAML, its check against the models, and a rehearsal of every step"
         " with the dictionary of its device. The longest file has 9,360 steps in 256 KiB."
     ),
+    "A hunt": (
+        "A run begins with the text of a scenario, imports the master anew, and ends with its"
+        " outcome; the master of docs/examples runs in threads of its own. Runs in which much"
+        " happens, as an EMCY every millisecond, take many times as long."
+    ),
     "Start": (
         "The first twin of a process pays for the import of its device and for reading EDS, message"
         " table and unit types; every later one takes them from memory. A test does not wait for"
