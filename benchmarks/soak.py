@@ -11,21 +11,26 @@ memory does not grow, and the processes end when they are told to.
 """
 
 import argparse
+import subprocess
 import sys
 import tempfile
 import time
 from collections import deque
 from collections.abc import Iterator, Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager, nullcontext
 from itertools import cycle, pairwise
+from math import inf
 from pathlib import Path
 from statistics import median
 
 import can
+from can.interfaces.socketcan import SocketcanBus
 
 from benchmarks.processes import Sample, Watched, judged, percentiles, slope, watched
+from canopen_twins.bus.frame import Frame
 from canopen_twins.bus.hub.client import HubBus
 from canopen_twins.bus.hub.protocol import HubAddress
+from canopen_twins.live.port import CanSocket, PythonCan
 
 DEVICES = ("topcon", "charger", "gateway")
 STEP = 0.016  # seconds; the cycle of a gateway
@@ -38,12 +43,14 @@ ATTEMPTS = 10
 WARM_UP = 3.0  # seconds, at most
 LONG, STEEPEST = 590.0, 5.0  # seconds, MB an hour: before that memory has not settled
 READ = bytes.fromhex("4000100000000000")  # 0x1000, which every device has
+HEARD = [{"can_id": base, "can_mask": 0x780} for base in (0x580, 0x700)]
+SYNC = Path(__file__).with_name("c_sync.c")
 
 
 class Master:
     """Configures the twins, then asks and listens until its time is over."""
 
-    def __init__(self, bus: can.BusABC, options: argparse.Namespace) -> None:
+    def __init__(self, bus: PythonCan | CanSocket, options: argparse.Namespace) -> None:
         self._bus = bus
         self._options = options
         self.heartbeats: dict[int, list[float]] = {n: [] for n in range(1, options.twins + 1)}
@@ -73,7 +80,8 @@ class Master:
     def work(self, seconds: float, samples: Mapping[Watched, list[Sample]]) -> None:
         """Ask, synchronise and listen for so long."""
         begun = now = time.monotonic()
-        next_sync = next_sdo = next_look = begun
+        next_sync = inf if self._options.by_c else begun
+        next_sdo = next_look = begun
         while now < begun + seconds:
             if now >= next_sync:
                 self._send(0x080, b"")
@@ -109,13 +117,13 @@ class Master:
                 return
 
     def _hear(self, wait: float) -> None:
-        message = self._bus.recv(wait)
-        if message is None:
+        frame = self._bus.receive(wait)
+        if frame is None:
             return
         now = time.monotonic()
-        node_id, kind = message.arbitration_id & 0x7F, message.arbitration_id & ~0x7F
+        node_id, kind = frame.can_id & 0x7F, frame.can_id & ~0x7F
         self.frames += self.counts
-        if kind == 0x700 and self.counts and message.data != b"\x00":
+        if kind == 0x700 and self.counts and frame.data != b"\x00":
             self.heartbeats[node_id].append(now)
         elif kind == 0x180 and node_id in self.topcons:
             self.tpdos += self.counts
@@ -127,13 +135,13 @@ class Master:
             self._send(0x600 + node_id, data)
             end = time.monotonic() + REPEATED
             while (left := end - time.monotonic()) > 0:
-                message = self._bus.recv(left)
-                if message is not None and message.arbitration_id == 0x580 + node_id:
-                    return bytes(message.data)
+                frame = self._bus.receive(left)
+                if frame is not None and frame.can_id == 0x580 + node_id:
+                    return frame.data
         raise SystemExit(f"node {node_id} does not answer")
 
     def _send(self, can_id: int, data: bytes) -> None:
-        self._bus.send(can.Message(arbitration_id=can_id, data=data, is_extended_id=False))
+        self._bus.send(Frame(can_id, data))
 
 
 def main() -> int:
@@ -147,12 +155,16 @@ def main() -> int:
     parser.add_argument("--sdo", type=float, default=100.0, help="requests a second")
     parser.add_argument("--interface", help="of python-can; a hub of its own if there is none")
     parser.add_argument("--channel", default="vcan0")
+    parser.add_argument("--timing", help="that of all twins, as of `run`")
+    text = "SYNC is sent and TPDOs are counted by a program in C, on vcan0"
+    parser.add_argument("--by-c", action="store_true", help=text)
     options = parser.parse_args()
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         file = folder / "bench.yaml"
+        timing = f", timing: {options.timing}" if options.timing else ""
         nodes = (
-            f"  n{n}: {{device: {device}, node_id: {n}}}\n"
+            f"  n{n}: {{device: {device}, node_id: {n}{timing}}}\n"
             for n, device in zip(range(1, options.twins + 1), cycle(options.devices), strict=False)
         )
         file.write_text("version: 1\nnodes:\n" + "".join(nodes))
@@ -168,20 +180,29 @@ def main() -> int:
         )
         bus: can.BusABC
         if options.interface:
-            bus = can.Bus(interface=options.interface, channel=options.channel)
+            heard = HEARD if options.by_c else None
+            bus = can.Bus(options.channel, options.interface, can_filters=heard)
         else:
             bus = HubBus(address, options.channel)
+        program = folder / "c_sync"
+        if options.by_c:
+            subprocess.run(["cc", "-O2", "-o", program, SYNC], check=True)
         with bus:
-            return _soak(Master(bus, options), options, processes)
+            is_socket = isinstance(bus, SocketcanBus)
+            master = Master(CanSocket(bus.socket) if is_socket else PythonCan(bus), options)
+            return _soak(master, options, processes, program)
 
 
-def _soak(master: Master, options: argparse.Namespace, processes: Mapping[str, Watched]) -> int:
+def _soak(
+    master: Master, options: argparse.Namespace, processes: Mapping[str, Watched], program: Path
+) -> int:
     samples: dict[Watched, list[Sample]] = {process: [] for process in processes.values()}
     master.configure()
     master.work(min(WARM_UP, options.seconds / 2), {})
     busy = {name: process.seconds for name, process in processes.items()}
     master.counts, begun = True, time.monotonic()
-    master.work(options.seconds, samples)
+    with _synchronised(master, program, options.sync) if options.by_c else nullcontext():
+        master.work(options.seconds, samples)
     took = time.monotonic() - begun
     shares = {name: (each.seconds - busy[name]) / took for name, each in processes.items()}
     master.counts = False
@@ -191,6 +212,20 @@ def _soak(master: Master, options: argparse.Namespace, processes: Mapping[str, W
         print("the machine was away for a second or more: heartbeats are not judged")
         broken = [each for each in broken if "heartbeats" not in each]
     return judged(broken)
+
+
+@contextmanager
+def _synchronised(master: Master, program: Path, period: float) -> Iterator[None]:
+    """SYNC and what comes of it are for a program in C, which takes less of a core for it."""
+    command = [str(program), str(round(1e6 * period)), *map(str, sorted(master.topcons))]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            yield
+        finally:
+            process.terminate()
+            told = process.communicate()[0]
+    master.syncs, master.tpdos = map(int, told.split())
+    master.frames += master.syncs + master.tpdos
 
 
 def _heard(master: Master, took: float) -> Iterator[str]:

@@ -18,6 +18,7 @@ log = logging.getLogger(__name__)
 
 BASE = 0x780  # of an identifier; the rest is the node id
 OWN = {identifiers.emcy(0), identifiers.sdo_answer(0), identifiers.heartbeat(0)}
+OF_NOBODY = {identifiers.SYNC}  # which would be the EMCY of a node 0
 
 
 class NodeIdWatch:
@@ -37,10 +38,13 @@ class NodeIdWatch:
         segment.listeners.append(self._hear)
 
     def _hear(self, frame: Frame, sender: str) -> None:
-        if sender or frame.can_id & BASE not in OWN or frame.remote or frame.extended:
+        can_id = frame.can_id
+        if sender or can_id & BASE not in OWN or can_id in OF_NOBODY:
+            return
+        if frame.remote or frame.extended:
             return
         for node in self._nodes:
-            if node not in self._known and frame.can_id in _own(node):
+            if node not in self._known and can_id in _own(node):
                 self._take(node, frame)
 
     def _take(self, node: Node, frame: Frame) -> None:

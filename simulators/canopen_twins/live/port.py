@@ -7,6 +7,7 @@ system) costs more than the answer of a twin; of the socket itself one call is e
 import select
 import socket
 import struct
+from contextlib import suppress
 
 import can
 from can.interfaces.socketcan import SocketcanBus
@@ -19,6 +20,8 @@ EXTENDED, REMOTE, ERROR = 1 << 31, 1 << 30, 1 << 29  # flags of an identifier
 STANDARD_ID, EXTENDED_ID = 0x7FF, 0x1FFF_FFFF
 FD_SIZE = 72  # bytes of a frame of CAN FD
 LONGEST_WAIT = 0.02  # seconds: the time-out that the socket has by itself
+BACKLOG = 1 << 22  # bytes; by itself a socket keeps 250 frames, a busy bus brings them in 30 ms
+SO_RCVBUFFORCE = 33  # of asm-generic/socket.h; only who may configure networks is granted it
 
 
 class PythonCan:
@@ -47,6 +50,8 @@ class CanSocket:
         microseconds = round(LONGEST_WAIT * 1e6)
         time_out = struct.pack("@ll", 0, microseconds)
         sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, time_out)
+        with suppress(OSError):
+            sock.setsockopt(socket.SOL_SOCKET, SO_RCVBUFFORCE, BACKLOG)
 
     def send(self, frame: Frame) -> None:
         """Send at once.
