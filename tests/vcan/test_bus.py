@@ -46,6 +46,19 @@ def test_a_twin_outlives_an_interface_that_goes_down_and_comes_back(run, candump
     assert "the bus works again" in told.next()
 
 
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root is granted so much memory for a socket")
+def test_a_thousand_frames_wait_for_a_twin_that_stands_still(run, candump):
+    twin = run("topcon", 5)
+    cansend("605#2F00180201000000", "000#0105")
+    candump.until("585#60")
+    twin.process.send_signal(signal.SIGSTOP)
+    subprocess.run(["cangen", CHANNEL, "-I", "080", "-L", "0", "-n", "1000", "-g", "0"], check=True)
+    twin.process.send_signal(signal.SIGCONT)
+    cansend("605#4000100000000000")
+    frames = candump.until("585#4")
+    assert sum(frame.startswith("185#") for frame in frames) == 1000
+
+
 def test_sigterm_ends_a_twin_at_once(run):
     twin = run("topcon", 5)
     twin.process.send_signal(signal.SIGTERM)
