@@ -174,7 +174,7 @@ def _objects(spec: NodeSpec) -> Targets:
 
 
 @lru_cache(maxsize=8)  # a hunt reads the same nodes thousands of times
-def _objects_of(kind: type[Device], settings: tuple[tuple[str, object], ...]) -> Targets:
+def _objects_of(kind: Callable[..., Device], settings: tuple[tuple[str, object], ...]) -> Targets:
     return Targets(kind(**dict(settings)).dictionary())
 
 
