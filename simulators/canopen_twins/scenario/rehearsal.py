@@ -170,11 +170,12 @@ class Participants:
 
 
 def _objects(spec: NodeSpec) -> Targets:
-    return _objects_of(spec.device, tuple(spec.settings.items()))
+    kind: Any = spec.device  # which has a hash, as every class has
+    return _objects_of(kind, tuple(spec.settings.items()))
 
 
 @lru_cache(maxsize=8)  # a hunt reads the same nodes thousands of times
-def _objects_of(kind: Callable[..., Device], settings: tuple[tuple[str, object], ...]) -> Targets:
+def _objects_of(kind: type[Device], settings: tuple[tuple[str, object], ...]) -> Targets:
     return Targets(kind(**dict(settings)).dictionary())
 
 
