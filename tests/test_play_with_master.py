@@ -67,6 +67,14 @@ def in_a_thread():
     time.sleep(2)
 
 
+def hands_over(network):
+    def work():
+        time.sleep(0.1)
+        main(network)
+
+    threading.Thread(target=work, name="work").start()
+
+
 def check(values):
     return values["voltage"]
 
@@ -139,6 +147,11 @@ def test_a_master_that_reacts_late_fails(story):
     assert [kind for kind, *_ in outcomes(verdict)] == ["PASS", "FAIL"]
 
 
+def test_threads_keep_the_network_when_its_function_has_returned(story):
+    verdict = play(load(story("hands_over")))
+    assert [kind for kind, *_ in outcomes(verdict)] == ["PASS", "PASS"]
+
+
 def test_its_modules_are_new_in_every_run(story):
     scenario = load(story())
     assert play(scenario) == play(scenario)
@@ -159,7 +172,7 @@ def test_the_command_line_names_another_one(story, capsys):
 
 def test_an_exception_is_told_with_the_innermost_line_of_its_own_files(story):
     verdict = play(load(story("in_a_thread")))
-    failed = ("FAIL", 3, "KeyError: 'voltage' in my_master.py:41, thread 'watch'")
+    failed = ("FAIL", 3, "KeyError: 'voltage' in my_master.py:49, thread 'watch'")
     assert failed in outcomes(verdict)
     assert str(verdict.kind) == "FAIL"  # what it did not come to is left out
 

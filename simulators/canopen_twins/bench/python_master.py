@@ -262,11 +262,8 @@ def _call(
     if not network:
         return function(**given)
     connected = canopen.Network()
-    connected.connect(**bus)
-    try:
-        return function(**{**given, network: connected})
-    finally:
-        connected.disconnect()
+    connected.connect(**bus)  # until the run is over: its threads may go on when it returns
+    return function(**{**given, network: connected})
 
 
 def _whereabouts(scheduler: Scheduler, files: set[str]) -> str:
