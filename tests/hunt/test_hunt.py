@@ -24,6 +24,7 @@ from canopen_twins.faults.weather import WEATHER
 from canopen_twins.hunt import free
 from canopen_twins.hunt.contract import Contract, Plan
 from canopen_twins.hunt.events import Events, events_of
+from canopen_twins.hunt.find import Trial
 from canopen_twins.hunt.run import run
 from canopen_twins.hunt.search import Budget, Hunt
 from canopen_twins.hunt.space import Space
@@ -188,6 +189,60 @@ def test_finds_of_before_are_played_first_and_not_written_again(hasty, hunted, t
     assert (code, "finds/hunt-1.twin.yaml: passes now" in said) == (0, True)
 
 
+def test_finds_of_another_master_are_left_alone_and_told(hasty, hunted, tmp_path):
+    (tmp_path / "finds").mkdir()
+    find = (hasty.folder / "hunt-1.twin.yaml").read_text()
+    find = find.replace("my_master:main", "another:main")
+    (tmp_path / "finds" / "hunt-1.twin.yaml").write_text(find)
+    code, said = hunted(CAREFUL, "--runs", "2", "--finds", "finds")
+    assert code == 0
+    assert "    not played, of another master: finds/hunt-1.twin.yaml\n" in said
+    _, told = hunted(CAREFUL, "--runs", "2", "--finds", "finds", "--json")
+    assert json.loads(told)["others"] == ["finds/hunt-1.twin.yaml"]
+
+
+def test_what_another_hunt_has_not_finished_is_no_find_of_before(hunted, tmp_path, monkeypatch):
+    (tmp_path / "finds").mkdir()
+    kept = Trial.keep
+    others = []
+
+    def keep(trial, place):
+        others.append(hunted(CAREFUL, "--runs", "1", "--finds", "finds"))
+        (tmp_path / "my_master.py").write_text(BRITTLE)
+        return kept(trial, place)
+
+    monkeypatch.setattr(Trial, "keep", keep)
+    hunted(BRITTLE, "--runs", "2", "--finds", "finds")
+    code, said = others[0]
+    assert (code, "passes now" in said) == (0, False), said
+
+
+def test_a_damaged_find_is_told_with_its_place(hunted, tmp_path):
+    (tmp_path / "finds").mkdir()
+    (tmp_path / "finds" / "hunt-1.twin.yaml").write_text("version: 1\nstep: []\n")
+    code, said = hunted(CAREFUL, "--runs", "2", "--finds", "finds")
+    assert (code, said.count("hunt-1.twin.yaml")) == (2, 1), said
+    assert said.startswith("canopen-twin: finds/hunt-1.twin.yaml:2:1: unknown key 'step'")
+
+
+def test_finds_have_to_find_their_master_from_where_they_lie(tmp_path, monkeypatch, capsys):
+    for folder in ("house", "elsewhere"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "house" / "my_master.py").write_text(BRITTLE)
+    (tmp_path / "house" / "contract.yaml").write_text(CONTRACT)
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    hunt = ["hunt", "../house/contract.yaml", "--master", "my_master:main", "--runs", "2"]
+    assert main(hunt) == 2
+    said = capsys.readouterr().err
+    assert said == (
+        "canopen-twin: finds in . would not find their master 'my_master:main': there is no module"
+        " 'my_master' here or beside the file: have a folder for them beside the contract"
+        " (--finds)\n"
+    )
+    assert main([*hunt, "--finds", "../house"]) == 1
+    assert (tmp_path / "house" / "hunt-1.twin.yaml").is_file()
+
+
 def test_the_report_is_for_programs_for_ci_and_a_page(brittle):
     code, said, folder = brittle
     told = json.loads(said)
@@ -211,6 +266,10 @@ def test_the_report_is_for_programs_for_ci_and_a_page(brittle):
     ("arguments", "said"),
     [
         (["--finds", "nowhere"], "there is no directory nowhere"),
+        pytest.param(
+            *(["--finds", "/proc"], "finds cannot be written to /proc: "),
+            marks=pytest.mark.skipif(sys.platform != "linux", reason="has no such folder"),
+        ),
         (["--html", "nowhere/page.html"], "there is no directory for it"),
         (["--runs", "0"], "at least one run"),
     ],

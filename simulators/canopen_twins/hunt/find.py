@@ -29,6 +29,7 @@ from canopen_twins.hunt.run import (
 from canopen_twins.scenario import Kind, Outcome, Verdict
 
 SUFFIX = ".twin.yaml"
+TRIAL = ".yaml"  # which neither pytest nor another hunt takes for a find
 PATIENCE = 120.0  # seconds of real time for another process
 OTHER_HASH_SEED = "4711"  # the order of sets of texts is another there
 MARK = b"\nresult: "  # comes after whatever else has been written there
@@ -187,7 +188,7 @@ class Trial:
     """
 
     def __init__(self, contract: Contract, folder: Path, text: str) -> None:
-        self.path = folder / f".{secrets.token_hex(8)}{SUFFIX}"
+        self.path = folder / f".{secrets.token_hex(8)}{TRIAL}"
         self.text = text
         self._contract = contract
         self._folder = folder

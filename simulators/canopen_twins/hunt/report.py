@@ -51,6 +51,8 @@ class Report:
     """Finds of before that still fail."""
     mended: list[str] = field(default_factory=list)
     """Files of finds of before that pass now."""
+    others: list[str] = field(default_factory=list)
+    """Those that name another master, and are not played."""
     thrown_away: list[ThrownAway] = field(default_factory=list)
 
     def count(self, result: Result) -> None:
@@ -89,6 +91,8 @@ def lines(report: Report) -> Iterator[str]:
         yield f"    {wrong}: {_counted(find.plan.size, 'step')} beyond the contract"
     yield from (f"{file}: passes now" for file in report.mended)
     yield summary(report)
+    if report.others:
+        yield f"    not played, of another master: {', '.join(report.others)}"
     for plan, why in report.thrown_away:
         yield f"    thrown away: {', '.join(plan.faults) or 'settings alone'}: {why}"
     if report.left_behind:
@@ -130,6 +134,7 @@ def as_json(report: Report) -> str:
             "finds": [_find(each) for each in report.finds],
             "known": [_find(each) for each in report.known],
             "mended": report.mended,
+            "others": report.others,
             "cells": [
                 {**vars(cell), "passed": report.passed[cell], "failed": report.failed[cell]}
                 for cell in sorted({*report.passed, *report.failed}, key=repr)

@@ -17,6 +17,7 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
+from canopen_twins.bench.python_master import PythonMaster
 from canopen_twins.errors import UserError
 from canopen_twins.hunt.contract import Contract, Plan
 from canopen_twins.hunt.events import Events, events_of
@@ -35,7 +36,7 @@ from canopen_twins.hunt.space import Space
 from canopen_twins.hunt.sweep import Sweep
 from canopen_twins.hunt.workers import Death, Map, in_turn
 from canopen_twins.live.hub_process import hub_process
-from canopen_twins.scenario import Scenario, Verdict
+from canopen_twins.scenario import Scenario, Verdict, load
 
 SECONDS = 60.0
 """Of a hunt of which nobody says how long it goes on."""
@@ -126,7 +127,7 @@ class Hunt:
         scenario = self._contract.scenario(Plan())
         if scenario.master is None and not self._contract.command:
             raise UserError(f"{scenario.file}: who is tested? Say --master MODULE:FUNCTION")
-        (first,) = self._play(first_run, [self._contract])
+        (first,) = self._play(partial(first_run, self._folder), [self._contract])
         if isinstance(first, Death):
             where = f" in {first.place}" if first.place else ""
             raise BrokenContract(
@@ -175,7 +176,11 @@ class Hunt:
     def _try_known(self) -> None:
         """The finds of before; what still fails is not looked for again."""
         for path in self._known:
-            (result,) = self._results(replace(self._contract, file=path), [Plan()])
+            contract = replace(self._contract, file=path)
+            if not self._is_of_this_master(contract):
+                self.report.others.append(str(path))
+                continue
+            (result,) = self._results(contract, [Plan()])
             self.report.count(result)
             if result.error:
                 raise UserError(f"{path}: {result.error}")
@@ -186,6 +191,12 @@ class Hunt:
             if result.verdict is not None:
                 failure, text = result.failures[0], path.read_text("utf-8")
                 self.report.known.append(Find(failure, path, Plan(), result.verdict, 0, text))
+
+    def _is_of_this_master(self, find: Contract) -> bool:
+        """Whether it names none, or the one that is tested; raises `UserError` if it is damaged."""
+        named = load(find.file).master
+        tested = self._contract.scenario(Plan()).master
+        return named is None or (tested is not None and named.name == tested.name)
 
     def _while_left(self, plans: Iterable[Plan]) -> Iterator[Plan]:
         """Those that are on their way will have been played, too."""
@@ -282,15 +293,22 @@ class Hunt:
                     self._take(result)
 
 
-def first_run(contract: Contract) -> tuple[Events, Verdict]:
+def first_run(finds: Path, contract: Contract) -> tuple[Events, Verdict]:
     """Without any fault: what happens in it, and its verdict.
 
     Raises:
-        UserError: its master cannot be run.
+        UserError: its master cannot be run, or not from where finds are to lie.
     """
     scenario = contract.scenario(Plan())
     if scenario.master is not None:
         scenario.master.check()
+        try:
+            PythonMaster.beside(scenario.master.name, finds / "find").check()
+        except UserError as refusal:
+            raise UserError(
+                f"finds in {finds} would not find their {refusal}: have a folder for them beside"
+                " the contract (--finds)"
+            ) from refusal
     return events_of(contract, scenario)
 
 
@@ -370,5 +388,11 @@ def _check(file: Path, folder: Path | None, runs: int | None, seconds: float | N
         raise UserError(f"there is no file {file}")
     if folder is not None and not folder.is_dir():
         raise UserError(f"there is no directory {folder}")
+    try:
+        tempfile.TemporaryFile(dir=folder or Path()).close()
+    except OSError as failure:
+        raise UserError(
+            f"finds cannot be written to {folder or Path()}: {failure.strerror}"
+        ) from failure
     if (runs is not None and runs < 1) or (seconds is not None and seconds <= 0):
         raise UserError("there has to be time for at least one run: --runs 100, --seconds 60")
