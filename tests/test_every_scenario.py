@@ -7,7 +7,7 @@ from played import SCENARIOS
 
 from canopen_twins.cli import main
 from canopen_twins.scenario.actions import Expectation
-from canopen_twins.scenario.matchers import EmcyLike
+from canopen_twins.scenario.frame_matchers import EmcyLike
 
 
 @pytest.fixture(params=SCENARIOS, ids=lambda path: path.stem)

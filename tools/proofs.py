@@ -8,7 +8,8 @@ from typing import NamedTuple
 from canopen_twins import devices
 from canopen_twins.scenario import load, play
 from canopen_twins.scenario.actions import Expectation, Inject, Read
-from canopen_twins.scenario.matchers import EmcyLike, Holds
+from canopen_twins.scenario.frame_matchers import EmcyLike
+from canopen_twins.scenario.matchers import Holds
 from canopen_twins.scenario.scenario import NodeSpec, Scenario, Step
 from canopen_twins.scenario.targets import Target
 from canopen_twins.scenario.values import Wanted

@@ -1,17 +1,14 @@
 import pytest
 
 from canopen_twins.scenario.actions import Expectation, Inject, Read, Send, Write
-from canopen_twins.scenario.matchers import (
+from canopen_twins.scenario.frame_matchers import (
     AnyFrame,
     Commanded,
-    Condition,
     EmcyLike,
-    Entered,
     FrameLike,
     HeartbeatLike,
-    Holds,
-    Written,
 )
+from canopen_twins.scenario.matchers import Condition, Entered, Holds, Written
 from canopen_twins.scenario.scenario import After, At
 from canopen_twins.scenario.values import Anything, Range, Text
 from canopen_twins.slave.service import State

@@ -7,7 +7,8 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from canopen_twins.files.document import LARGEST_FILE, nodes, scalar
+from canopen_twins.files.document import LARGEST_FILE
+from canopen_twins.files.yaml_nodes import nodes, scalar
 from canopen_twins.scenario import ScenarioError, load
 
 from .conftest import HEAD

@@ -10,7 +10,7 @@ import yaml
 from jsonschema import Draft202012Validator
 
 from canopen_twins.cli import main
-from canopen_twins.files.document import compose, scalar
+from canopen_twins.files.yaml_nodes import compose, scalar
 from canopen_twins.scenario import ScenarioError
 
 ROOT = Path(__file__).parents[2]

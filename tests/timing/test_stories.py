@@ -14,7 +14,8 @@ from played import SCENARIOS
 from canopen_twins.device.timing import PRESETS
 from canopen_twins.scenario import load, play
 from canopen_twins.scenario.actions import Expectation, Read
-from canopen_twins.scenario.matchers import AnyFrame, Holds
+from canopen_twins.scenario.frame_matchers import AnyFrame
+from canopen_twins.scenario.matchers import Holds
 from canopen_twins.scenario.scenario import NodeSpec
 from canopen_twins.scenario.values import Range
 

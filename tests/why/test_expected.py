@@ -11,7 +11,7 @@ from canopen_twins.diagnosis.expected import (
 )
 from canopen_twins.diagnosis.why import why
 from canopen_twins.scenario.actions import Expectation
-from canopen_twins.scenario.matchers import AnyFrame
+from canopen_twins.scenario.frame_matchers import AnyFrame
 from canopen_twins.slave.service import State
 
 VOLTAGE, RUN = ExpectedValues([(0x2020, 0)]), ExpectedWrites([(0x2014, 0)])

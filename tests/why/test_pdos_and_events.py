@@ -2,7 +2,7 @@ import pytest
 
 from canopen_twins.diagnosis.expected import ExpectedEmcy, ExpectedFrame, ExpectedHeartbeat
 from canopen_twins.scenario.actions import Expectation
-from canopen_twins.scenario.matchers import FrameLike
+from canopen_twins.scenario.frame_matchers import FrameLike
 
 PRE_OPERATIONAL = "the node was pre-operational, without PDO (manual 3.1, Tab. 7)"
 REFUSED = "205#8813 RPDO1 refused: 5000 is above 4000, Voltage reference (manual 7.3.5)"

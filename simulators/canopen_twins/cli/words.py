@@ -17,7 +17,7 @@ from canopen_twins.diagnosis.report import SHOWN, frame_line
 from canopen_twins.diagnosis.why import why_frame
 from canopen_twins.record.journal import EventLine
 from canopen_twins.scenario import Player, PlayerEvent
-from canopen_twins.scenario.matchers import EmcyLike
+from canopen_twins.scenario.frame_matchers import EmcyLike
 from canopen_twins.slave.service import State
 
 MOST_WAITING = 10_000  # lines that nobody has read yet

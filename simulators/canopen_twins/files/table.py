@@ -24,7 +24,8 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from pydantic_core import CoreSchema, ErrorDetails, core_schema
 
 from canopen_twins.errors import UserError, unknown
-from canopen_twins.files.document import GLUED, Item, Meaning, Reported, understand
+from canopen_twins.files.document import Item, Meaning, Reported, understand
+from canopen_twins.files.yaml_nodes import GLUED
 
 
 @dataclass(frozen=True)

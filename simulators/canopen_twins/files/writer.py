@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 
 import yaml
 
-from canopen_twins.files.document import DECEPTIVE, LOOKS
+from canopen_twins.files.yaml_nodes import DECEPTIVE, LOOKS
 
 WIDTH = 100
 PLAIN = re.compile(r"[A-Za-z0-9_./+-](([A-Za-z0-9_./+ ()-]|:(?=\S))*[A-Za-z0-9_./+()-])?")

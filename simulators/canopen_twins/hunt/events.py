@@ -17,7 +17,7 @@ from canopen_twins.hunt.run import judged
 from canopen_twins.hunt.waits import Wait
 from canopen_twins.scenario import Player, Scenario, Verdict
 from canopen_twins.scenario.bus_events import BusEvent, BusEvents, Changed, Sent, Wrote
-from canopen_twins.scenario.matchers import COMMAND_LENGTH, NAMES
+from canopen_twins.scenario.frame_matchers import COMMAND_LENGTH, NAMES
 from canopen_twins.scenario.targets import Target
 from canopen_twins.scenario.values import value_of
 from canopen_twins.slave.dictionary import Objects, address_text

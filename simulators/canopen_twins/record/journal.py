@@ -12,7 +12,7 @@ from canopen_twins.device.node import Node
 from canopen_twins.diagnosis.decoder import Decoder
 from canopen_twins.errors import UserError
 from canopen_twins.scenario import Player, PlayerEvent
-from canopen_twins.scenario.matchers import EmcyLike
+from canopen_twins.scenario.frame_matchers import EmcyLike
 from canopen_twins.slave.service import State
 
 LONGEST_LINE = 1 << 20  # characters

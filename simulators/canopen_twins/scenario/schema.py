@@ -45,7 +45,7 @@ from canopen_twins.files.table import (
     some_of,
 )
 from canopen_twins.scenario.actions import PATIENCE
-from canopen_twins.scenario.matchers import COMMANDS
+from canopen_twins.scenario.frame_matchers import COMMANDS
 from canopen_twins.scenario.scenario import EndsWith
 from canopen_twins.scenario.sdo_client import ACCEPTED
 from canopen_twins.slave.service import State

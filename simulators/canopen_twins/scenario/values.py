@@ -15,7 +15,8 @@ from canopen.objectdictionary.datatypes import (
 
 from canopen_twins.device.node import Node
 from canopen_twins.errors import UserError
-from canopen_twins.files.document import Item, Scalar
+from canopen_twins.files.document import Item
+from canopen_twins.files.yaml_nodes import Scalar
 from canopen_twins.scenario.targets import Target
 from canopen_twins.slave.object import Rejected
 

@@ -21,19 +21,14 @@ from canopen_twins.scenario.actions import (
     Wait,
     Write,
 )
-from canopen_twins.scenario.matchers import (
+from canopen_twins.scenario.frame_matchers import (
     AnyFrame,
     Commanded,
-    Condition,
     EmcyLike,
-    Entered,
     FrameLike,
     HeartbeatLike,
-    Holds,
-    IsIn,
-    Matcher,
-    Written,
 )
+from canopen_twins.scenario.matchers import Condition, Entered, Holds, IsIn, Matcher, Written
 from canopen_twins.scenario.rehearsal import Participants, Rehearsal
 from canopen_twins.scenario.schema import ANY, NONE
 from canopen_twins.scenario.sdo_client import ACCEPTED

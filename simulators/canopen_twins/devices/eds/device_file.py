@@ -5,7 +5,7 @@ from typing import Annotated
 
 from pydantic import ConfigDict, Field
 
-from canopen_twins.files.document import Item, Scalar
+from canopen_twins.files.document import Item
 from canopen_twins.files.leaves import (
     BY_NAME,
     HIGHEST,
@@ -28,6 +28,7 @@ from canopen_twins.files.table import (
     one_of,
     some_of,
 )
+from canopen_twins.files.yaml_nodes import Scalar
 
 LARGEST_NUMBER = 1e18  # no device has it, and arithmetic with it is safe
 EVERY = 1.0  # seconds

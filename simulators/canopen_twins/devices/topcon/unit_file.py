@@ -8,7 +8,8 @@ from typing import Any
 
 from canopen_twins.devices.topcon.model.unit import UnitType
 from canopen_twins.errors import UserError
-from canopen_twins.files.document import Item, Scalar, understand, values
+from canopen_twins.files.document import Item, understand, values
+from canopen_twins.files.yaml_nodes import Scalar
 
 VERSION = 1
 READERS: Mapping[Any, Callable[[Item], Scalar]] = {

@@ -20,7 +20,7 @@ from canopen_twins.live.control.schema import DetailedEvent, EmcyEvent, Event, F
 from canopen_twins.live.control.view import LONGEST_PORTION, emergency
 from canopen_twins.live.orders import Orders, Portions
 from canopen_twins.scenario import Player, PlayerEvent
-from canopen_twins.scenario.matchers import EmcyLike
+from canopen_twins.scenario.frame_matchers import EmcyLike
 from canopen_twins.scenario.started import START
 from canopen_twins.slave.emcy import emcy_of
 from canopen_twins.slave.service import State
