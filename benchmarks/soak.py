@@ -236,10 +236,12 @@ def _heard(master: Master, took: float) -> Iterator[str]:
             lost += max(0, int(took / master.periods[node_id]) - 1 - len(times))
             continue
         intervals = [after - before for before, after in pairwise(times)]
-        period = median(intervals)  # a device may count in steps of its own
-        if abs(period - master.periods[node_id]) > STEP:
-            yield f"node {node_id} has heartbeats of {period:.3f} s"
-        lost += max(0, round((times[-1] - times[0]) / period) + 1 - len(times))
+        period, span = median(intervals), times[-1] - times[0]
+        periods = round(span / period)
+        lost += max(0, periods + 1 - len(times))
+        mean = span / max(periods, len(intervals))  # a device may count in steps of its own
+        if abs(mean - master.periods[node_id]) > STEP:
+            yield f"node {node_id} has heartbeats of {mean:.3f} s"
         lags = [abs(interval - period) for interval in intervals]
         late += sum(lag > LATE for lag in lags)
         jitter += lags
