@@ -7,12 +7,14 @@ import sqlite3
 import subprocess
 import sys
 import time
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 
 import pytest
 
 from canopen_twins.cli import main
+from canopen_twins.errors import UserError
+from canopen_twins.hunt.results import Results
 
 from .test_hunt import BRITTLE, CAREFUL
 
@@ -94,6 +96,57 @@ def test_two_processes_find_the_same_to_the_byte(played, tmp_path):
     assert len(runs) == RUNS
     assert {run["verdict"] for run in runs} == {"PASS", "FAIL"}
     assert runs[0]["settings"] == {"topcon.load": "resistor 4", "topcon.timing": "ideal"}
+
+
+def test_a_file_of_results_belongs_to_one_campaign_at_a_time(tmp_path):
+    path = tmp_path / "runs.sqlite"
+    Results(path).__exit__()
+    with Results(path) as mine:
+        with pytest.raises(UserError, match=r"runs\.sqlite belongs to another run"):
+            Results(path, patience=0.1)
+        mine.keep("a", {})
+
+
+def test_a_database_of_something_else_stays_as_it_is(played, tmp_path):
+    path = tmp_path / "other.sqlite"
+    for table in ("albums (title TEXT)", "runs (number INTEGER)"):
+        path.unlink(missing_ok=True)
+        with closing(sqlite3.connect(path)) as database:
+            database.execute(f"CREATE TABLE {table}")
+        before = path.read_bytes()
+        code, said = played(CAREFUL, "--results", "other.sqlite")
+        assert (code, path.read_bytes() == before) == (2, True)
+        assert said.endswith("other.sqlite is a database of something else\n")
+
+
+def test_a_run_that_cannot_be_read_any_more_is_damage(tmp_path):
+    path = tmp_path / "runs.sqlite"
+    with Results(path) as results:
+        results.keep("a", {"error": "none"})
+    path.write_bytes(path.read_bytes().replace(b'{"error"', b'{"error:'))
+    with Results(path) as results:
+        assert "was damaged" in results.told
+        assert "a" not in results
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="has no such limit")
+def test_a_disk_that_is_full_is_one_line(tmp_path):
+    import resource  # noqa: PLC0415
+
+    with Results(tmp_path / "runs.sqlite") as results:
+        before = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (64 << 10, before[1]))
+        try:
+            with pytest.raises(UserError, match=r"runs\.sqlite cannot be written: "):
+                results.keep("a", {"error": "x" * (1 << 20)})
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_where_no_file_of_results_can_be_is_one_line(played):
+    code, said = played(CAREFUL, "--results", "/proc/runs.sqlite")
+    assert (code, said.count("\n")) == (2, 1)
+    assert "/proc/runs.sqlite cannot be opened: unable to open database file" in said
 
 
 def test_a_damaged_file_of_results_is_kept_aside(played, tmp_path):
