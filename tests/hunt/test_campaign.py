@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import sqlite3
 import subprocess
@@ -74,8 +75,19 @@ def test_another_master_is_played_anew_and_what_fails_is_told_with_its_place_in_
     assert said.endswith(f"{RUNS} of {RUNS} played now\n")
     assert "SdoCommunicationError" in said
     assert "'sdo_silence': {'times': 1}" in said
+    assert re.search(rf"^contract\.yaml: {RUNS} runs, [1-9]\d* failed, ", said, re.MULTILINE)
+    assert f"{RUNS} runs, 8 failed, " in (tmp_path / "report.html").read_text()
     assert "<failure" in (tmp_path / "report.xml").read_text()
     assert "sdo_silence" in (tmp_path / "report.html").read_text()
+
+
+def test_runs_that_say_nothing_and_faults_that_never_strike_are_told(played):
+    lazy = "import asyncio\n\n\ndef main(network):\n    asyncio.run(None)\n"
+    late = "version: 1\ncontract: contract.yaml\ndisturbances: [{at: 99, inject: power_cycle}]\n"
+    code, said = played(lazy, campaign=late)
+    assert code == 0
+    assert "1 run, 0 failed, 1 said nothing (master my_master:main: asyncio" in said
+    assert "    never struck: power_cycle\n" in said
 
 
 def test_a_campaign_that_is_cut_short_goes_on_where_it_was(played, tmp_path):
@@ -166,6 +178,10 @@ def test_a_damaged_file_of_results_is_kept_aside(played, tmp_path):
         ("contract: contract.yaml\nsettings: {five.load: [open]}", "3:12: unknown node 'five'"),
         ("contract: contract.yaml\ndevices: [topcom]", "3:11: "),
         ("contract: contract.yaml\ndisturbances: [{at: 1, inject: no_such}]", "3:16: "),
+        (
+            "contract: contract.yaml\ndisturbances: [{at: 1, inject: {sdo_silence: {times: []}}}]",
+            "3:16: an empty list: there has to be a value to be played with",
+        ),
         ("contract: contract.yaml\ndisturbances: [everything]", "3:16: 'everything': wanted is"),
         ("contract: contract.yaml\nseeds: 0", "3:8: 0 is not in 1..100000"),
         ("seeds: 3", "'contract' is missing"),

@@ -16,7 +16,7 @@ from canopen_twins.hunt.campaign import Campaign, axes, lost
 from canopen_twins.hunt.cluster import Bundle, Cluster, check, play
 from canopen_twins.hunt.contract import Plan
 from canopen_twins.hunt.grid import read_grid
-from canopen_twins.hunt.report import as_html, summary
+from canopen_twins.hunt.report import as_html
 from canopen_twins.hunt.results import Results
 from canopen_twins.hunt.run import Result
 from canopen_twins.hunt.workers import MOST_JOBS, Map, workers
@@ -102,14 +102,16 @@ def _progress(total: int) -> Callable[[int], None]:
 
 def _tell(runs: Campaign, played: int, options: argparse.Namespace) -> int:
     """What has failed, the figures, and the files that are wanted."""
-    report, failed = runs.report(), runs.failed()
+    report, failed, summary = runs.report(), runs.failed(), runs.summary()
     for failure, plans in failed.items():
         first = f"the first with {axes(plans[0])}"
         print(f"{failure.what}: {len(plans)} of {len(runs.grid)} runs, {first}")
-    print(f"{summary(report)}; {played} of {len(runs.grid)} played now")
+    print(f"{summary}; {played} of {len(runs.grid)} played now")
+    if report.never:
+        print(f"    never struck: {', '.join(report.never)}")
     texts: dict[str, Callable[[], str]] = {
         "json": runs.as_json,
-        "html": lambda: as_html(report),
+        "html": lambda: as_html(report, summary),
         "junit": lambda: as_junit([runs.verdict()]),
     }
     for name, text in texts.items():

@@ -13,7 +13,7 @@ from typing import Any
 
 from canopen_twins.hunt.contract import Contract, Plan
 from canopen_twins.hunt.grid import Grid
-from canopen_twins.hunt.report import Report, as_verdict
+from canopen_twins.hunt.report import HOUR, Report, as_verdict, counted
 from canopen_twins.hunt.results import Results
 from canopen_twins.hunt.run import Cell, Failure, Result, run
 from canopen_twins.hunt.workers import Death, Map, in_turn
@@ -92,7 +92,7 @@ class Campaign:
 
     def report(self) -> Report:
         """As that of a hunt: what was covered, and how it ended."""
-        report = Report(self.grid.contract, seed=self.grid.seeds[0], weather="the grid's")
+        report = Report(self.grid.contract, seed=self.grid.seeds[0])
         for plan, told in self.runs():
             failures = tuple(Failure(**each) for each in told["failures"])
             cells = tuple(Cell(*each) for each in told["cells"])
@@ -108,7 +108,18 @@ class Campaign:
             Outcome(Kind.FAIL, 0.0, 1, failure.what, f"{len(plans)} runs: {axes(plans[0])}")
             for failure, plans in self.failed().items()
         ]
-        return replace(survived, outcomes=(*failed, *survived.outcomes))
+        name = f"campaign with {survived.file}"
+        return replace(survived, name=name, outcomes=(*failed, *survived.outcomes))
+
+    def summary(self) -> str:
+        """All of it in one line."""
+        told = [told for _, told in self.runs()]
+        failed = sum(bool(each["failures"]) for each in told)
+        errors = [each["error"] for each in told if each["error"]]
+        void = f", {len(errors)} said nothing ({errors[0]})" if errors else ""
+        hours = sum(each["seconds"] for each in told) / HOUR
+        runs = f"{counted(len(told), 'run')}, {failed} failed{void}"
+        return f"{self.grid.contract.file}: {runs}, {hours:.2f} simulated hours"
 
     def as_json(self) -> str:
         """Every run with what was different in it: the same to the byte whoever has played them."""

@@ -135,7 +135,10 @@ def _disturbances(given: Sequence[Item]) -> Iterator[Disturbance | None]:
                 raise item.wrong(f"{item.text!r}: wanted is {{at: 1, inject: ...}}, or {NOTHING}")
             yield None
         else:
-            yield from _each(item.content)
+            variants = [*_each(item.content)]
+            if not variants:
+                raise item.wrong("an empty list: there has to be a value to be played with")
+            yield from variants
 
 
 def _each(told: Mapping[str, Any]) -> Iterator[Disturbance]:

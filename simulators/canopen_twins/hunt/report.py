@@ -88,7 +88,7 @@ def lines(report: Report) -> Iterator[str]:
     for find in report.finds:
         yield f"{find.file}: {find.outcome.what}: {find.outcome.seen}"
         wrong = ", ".join(find.plan.faults) or "settings alone"
-        yield f"    {wrong}: {_counted(find.plan.size, 'step')} beyond the contract"
+        yield f"    {wrong}: {counted(find.plan.size, 'step')} beyond the contract"
     yield from (f"{file}: passes now" for file in report.mended)
     yield summary(report)
     if report.others:
@@ -96,7 +96,7 @@ def lines(report: Report) -> Iterator[str]:
     for plan, why in report.thrown_away:
         yield f"    thrown away: {', '.join(plan.faults) or 'settings alone'}: {why}"
     if report.left_behind:
-        runs = _counted(report.left_behind, "run")
+        runs = counted(report.left_behind, "run")
         yield f"    the master has left processes behind in {runs}: they were ended"
     if report.never:
         yield f"    never struck: {', '.join(report.never)}"
@@ -106,13 +106,14 @@ def lines(report: Report) -> Iterator[str]:
 def summary(report: Report) -> str:
     """All of it in one line."""
     thrown = f", {len(report.thrown_away)} thrown away" if report.thrown_away else ""
-    runs = f"{_counted(report.runs, 'run')}, {report.simulated / HOUR:.2f} simulated hours"
+    runs = f"{counted(report.runs, 'run')}, {report.simulated / HOUR:.2f} simulated hours"
     weather = f"{report.weather} weather, seed {report.seed}"
-    finds = f"{_counted(len(report.finds), 'find')}{thrown}"
+    finds = f"{counted(len(report.finds), 'find')}{thrown}"
     return f"{report.contract.file}: {finds} in {runs}, {weather}"
 
 
-def _counted(count: int, what: str) -> str:
+def counted(count: int, what: str) -> str:
+    """With its plural."""
     return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
@@ -166,7 +167,7 @@ def as_verdict(report: Report) -> Verdict:
         runs = sum(report.passed[cell] for cell in report.passed if cell.fault == fault)
         failed = sum(report.failed[cell] for cell in report.failed if cell.fault == fault)
         kind = Kind.PASS if runs and not failed else Kind.SKIP
-        seen = f"survived {_counted(runs, 'time')}, not {_counted(failed, 'time')}"
+        seen = f"survived {counted(runs, 'time')}, not {counted(failed, 'time')}"
         outcomes.append(Outcome(kind, 0.0, 1, fault, seen if runs or failed else "never struck"))
     outcomes += [Outcome(Kind.SKIP, 0.0, 1, name, why) for name, why in report.left_out.items()]
     name = f"hunt with {report.contract.file}"
@@ -191,11 +192,12 @@ pre { white-space: pre-wrap; background: #f6f8fa; padding: 1rem }
 """
 
 
-def as_html(report: Report) -> str:
-    """A page of its own: the figures, the picture fault by phase, and the finds."""
+def as_html(report: Report, figures: str = "") -> str:
+    """A page of its own: the figures, those of a hunt if none are given, the picture fault by
+    phase, and the finds."""
     parts = [
         f"<h1>{escape(str(report.contract.file))}</h1>",
-        f"<p>{escape(summary(report))}</p>",
+        f"<p>{escape(figures or summary(report))}</p>",
         _picture(report),
         *(_section(find) for find in (*report.known, *report.finds)),
         *(f"<p>Thrown away: {escape(why)}</p>" for _, why in report.thrown_away),
