@@ -1,7 +1,9 @@
 import asyncio
+import gc
 import sys
 import threading
 import time
+import weakref
 
 import canopen
 import pytest
@@ -44,6 +46,16 @@ def test_the_bench_goes_on_afterwards(bench):
         connect().sdo.upload(0x2000, 0)
     assert bench.run(1.0) == []
     assert bench.sdo["Nominal voltage"].raw == 400
+
+
+def test_nothing_is_kept_of_a_bench_whose_master_never_disconnects():
+    bench = Bench("topcon", node_id=5)
+    with simulated_time(bench):
+        connect().sdo.upload(0x2000, 0)
+    segment = weakref.ref(bench.segment)
+    del bench
+    gc.collect()
+    assert segment() is None
 
 
 def test_simulated_time_is_entered_once(bench):

@@ -106,9 +106,15 @@ class Buses:
         return self._opened[-1]
 
     def close(self) -> None:
-        """Shut down every bus."""
+        """Shut down every bus, and keep nothing of it.
+
+        python-can keeps each notifier that nobody has stopped, and with it all the bench.
+        """
         for bus in self._opened:
             bus.shutdown()
+            for notifier in can.Notifier.find_instances(bus):
+                # to stop it would call listeners of the master when its time is over
+                can.Notifier._registry.unregister(bus, notifier)  # noqa: SLF001
 
 
 class Notifier(can.Notifier):
