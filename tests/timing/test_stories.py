@@ -7,6 +7,7 @@ with its reason.
 """
 
 from dataclasses import replace
+from functools import lru_cache
 
 import pytest
 from played import SCENARIOS
@@ -99,8 +100,12 @@ def patient(action, measured, timing):
     return replace(action, matcher=matcher, within=action.seconds + late)
 
 
+loaded = lru_cache(1)(load)
+"""A file is loaded once for both presets."""
+
+
 def slowed(path, preset):
-    scenario = load(path)
+    scenario = loaded(path)
     quiet = {"noise": 0} if path.stem in TO_THE_DIGIT else {}
     nodes = {
         name: NodeSpec(spec.device, {"timing": preset, **quiet, **spec.settings})
