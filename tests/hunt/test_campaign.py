@@ -15,6 +15,8 @@ import pytest
 
 from canopen_twins.cli import main
 from canopen_twins.errors import UserError
+from canopen_twins.hunt.campaign import lost
+from canopen_twins.hunt.cluster import Cluster
 from canopen_twins.hunt.results import Results
 
 from .test_hunt import BRITTLE, CAREFUL
@@ -195,7 +197,7 @@ def test_what_is_wrong_with_a_campaign_is_told_with_its_place(played, text, told
 
 @contextmanager
 def a_cluster(folder):
-    """A scheduler of dask on loopback with two workers; its address, and the workers."""
+    """A scheduler of dask on loopback with two workers; its address, the workers, and it."""
     with ExitStack() as ended:
         file = folder / "scheduler.json"
 
@@ -213,11 +215,12 @@ def a_cluster(folder):
             return process
 
         address = ("--host", "127.0.0.1")
-        start("scheduler", *address, "--port", "0", "--no-dashboard", "--scheduler-file", str(file))
+        words = ("--port", "0", "--no-dashboard", "--scheduler-file", str(file))
+        scheduler = start("scheduler", *address, *words)
         until(lambda: file.exists() and file.read_text().endswith("}"))  # not in the middle of it
         address = json.loads(file.read_text())["address"]
         once = ("--nthreads", "1", "--no-nanny", "--no-dashboard", "--host", "127.0.0.1")
-        yield address, [start("worker", address, *once) for _ in range(2)]
+        yield address, [start("worker", address, *once) for _ in range(2)], scheduler
 
 
 def size(path):
@@ -239,7 +242,7 @@ def test_a_cluster_finds_the_same_to_the_byte_though_one_of_it_is_killed(played,
     (tmp_path / "campaign.sqlite").unlink()
     work = tmp_path / "cluster"
     work.mkdir()
-    with a_cluster(work) as (address, workers):
+    with a_cluster(work) as (address, workers, _):
         command = ["campaign", "campaign.yaml", "--master", "my_master:main", "--dask", address]
         command += ["--upload", "my_master.py", "--json", "there.json"]
         playing = subprocess.Popen(
@@ -251,6 +254,17 @@ def test_a_cluster_finds_the_same_to_the_byte_though_one_of_it_is_killed(played,
         workers[0].send_signal(signal.SIGKILL)
         assert playing.wait(240) == 1
     assert (tmp_path / "there.json").read_bytes() == (tmp_path / "here.json").read_bytes()
+
+
+@pytest.mark.timeout(300)
+def test_a_cluster_that_goes_away_is_one_line(tmp_path):
+    pytest.importorskip("distributed")
+    with a_cluster(tmp_path) as (address, _, scheduler), Cluster(address, lost) as cluster:
+        played = cluster(str, range(1000))
+        assert next(played) == "0"
+        scheduler.send_signal(signal.SIGKILL)
+        with pytest.raises(UserError, match=f"^the dask scheduler at {address} is gone: "):
+            list(played)
 
 
 def test_a_cluster_that_is_not_there_is_one_line(played, monkeypatch):

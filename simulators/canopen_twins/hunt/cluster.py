@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
 import tempfile
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import CancelledError
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import cache, partial
@@ -87,6 +89,7 @@ class Cluster(AbstractContextManager["Cluster"]):
             self._client = distributed.Client(address, timeout=CONNECTING, set_as_default=False)
         except (OSError, ValueError) as failure:
             raise UserError(f"no dask scheduler at {address}: {failure}") from failure
+        self._address = address
         self._died: type[Exception] = distributed.KilledWorker
         self._lost = lost
         self._numbers = count()
@@ -97,7 +100,16 @@ class Cluster(AbstractContextManager["Cluster"]):
     def __call__(
         self, function: Callable[[Item], Outcome], items: Iterable[Item]
     ) -> Iterator[Outcome]:
-        """Raises what the function raises."""
+        """Raises what the function raises, and `UserError` when the scheduler is gone."""
+        try:
+            yield from self._outcomes(function, items)
+        except (OSError, CancelledError, asyncio.CancelledError) as failure:
+            told = f"the dask scheduler at {self._address} is gone: {failure}"
+            raise UserError(told) from failure
+
+    def _outcomes(
+        self, function: Callable[[Item], Outcome], items: Iterable[Item]
+    ) -> Iterator[Outcome]:
         upcoming = iter(items)
         pending: deque[tuple[Item, Any]] = deque()
         while True:
