@@ -112,6 +112,10 @@ def raise_(error):
     raise error
 
 
+def nameless():
+    threading.Thread(target=lambda: check({})).start()
+
+
 def strays():
     os.chdir("/")
 """
@@ -175,6 +179,12 @@ def test_an_exception_is_told_with_the_innermost_line_of_its_own_files(story):
     failed = ("FAIL", 3, "KeyError: 'voltage' in my_master.py:49, thread 'watch'")
     assert failed in outcomes(verdict)
     assert str(verdict.kind) == "FAIL"  # what it did not come to is left out
+
+
+def test_threads_without_a_name_have_the_same_one_in_every_run(story):
+    told = [str(play(load(story("nameless")))) for _ in range(2)]
+    assert told[0] == told[1]
+    assert "thread 'Thread-1 (<lambda>)'" in told[0]
 
 
 def test_it_is_given_the_arguments_of_python_can(story):

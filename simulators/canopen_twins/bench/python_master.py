@@ -18,6 +18,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
+from itertools import count
 from pathlib import Path
 from types import ModuleType, TracebackType
 from typing import Any, NamedTuple, NoReturn
@@ -347,10 +348,14 @@ def _innermost(trace: TracebackType | None, files: set[str]) -> str:
 
 @contextmanager
 def _seeded(seed: int) -> Iterator[None]:
-    """Chance is the same in every run: `random`, `uuid4`, `secrets` and `os.urandom`."""
+    """Chance is the same in every run: `random`, `uuid4`, `secrets` and `os.urandom`.
+
+    So are the names of threads that are given none.
+    """
     chance = random.Random(seed)
     state, urandom = random.getstate(), os.urandom
-    system = vars(random)["_urandom"]
+    system, number = vars(random)["_urandom"], vars(threading)["_counter"]
+    vars(threading)["_counter"] = count(1).__next__
     random.seed(seed)
     os.urandom = chance.randbytes
     vars(random)["_urandom"] = chance.randbytes
@@ -360,6 +365,7 @@ def _seeded(seed: int) -> Iterator[None]:
         random.setstate(state)
         os.urandom = urandom
         vars(random)["_urandom"] = system
+        vars(threading)["_counter"] = number
 
 
 class ExitCalled(BaseException):
