@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from canopen_twins.cli import main
+from canopen_twins.cli import main, parser
 from canopen_twins.errors import UserError
 from canopen_twins.files.whole import file_part, folder_part, live_file, write_whole
 
@@ -43,6 +43,32 @@ def here(tmp_path, monkeypatch):
             dangling.symlink_to("nowhere/file")
             (folder / "full").mkdir(parents=True)
     return tmp_path
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "play s.yaml --junit s.yaml",
+        "play s.yaml --trace ./s.yaml",
+        "play s.yaml --junit new --trace new",
+        "run --scenario s.yaml --nvram link",
+        "hunt s.yaml --html s.yaml",
+        "campaign s.yaml --results s.yaml",
+        "compare s.yaml topcon --html s.yaml",
+    ],
+)
+def test_nothing_that_is_written_takes_the_place_of_what_is_read(here, capsys, words):
+    Path("link").symlink_to("s.yaml")
+    with pytest.raises(SystemExit, match="2"):
+        main(words.split())
+    assert Path("s.yaml").read_text() == STORY
+    told = f"{words.split()[-1]} would take the place of another file that is named here"
+    assert told.removeprefix("./") in capsys.readouterr().err
+
+
+def test_two_reports_may_go_to_one_pipe():
+    reports = ["--json", "/dev/null", "--junit", "/dev/null"]
+    assert parser().parse_args(["campaign", "c.yaml", *reports]).json == Path("/dev/null")
 
 
 @played

@@ -36,10 +36,10 @@ def add_campaign(parser: Parser) -> None:
     text = "with --dask: what has to lie beside the contract there, such as the master's module"
     parser.add_argument("--upload", type=Path, action="append", default=[], metavar="F", help=text)
     text = "where runs are kept (FILE with .sqlite)"
-    parser.add_argument("--results", type=Path, metavar="FILE", help=text)
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write every run, for programs")
-    parser.add_argument("--html", type=Path, metavar="FILE", help="write a page with the picture")
-    parser.add_argument("--junit", type=Path, metavar="FILE", help="write JUnit XML, for CI")
+    parser.add_output("--results", text)
+    parser.add_output("--json", "write every run, for programs")
+    parser.add_output("--html", "write a page with the picture")
+    parser.add_output("--junit", "write JUnit XML, for CI")
     parser.set_defaults(command=campaign)
 
 

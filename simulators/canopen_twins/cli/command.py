@@ -3,9 +3,11 @@
 import argparse
 import os
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from itertools import chain
 from math import inf
+from pathlib import Path
 from types import FrameType
 from typing import Any, NoReturn
 
@@ -43,6 +45,15 @@ class Parser(OneLineParser):
     takes_command = False
     """Whether what stands behind `--` is a command to be run, `words` of the options."""
 
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self._outputs: list[str] = []
+
+    def add_output(self, name: str, text: str, metavar: str = "FILE") -> None:
+        """An option for what is written, which must not take the place of anything that is read."""
+        action = self.add_argument(name, type=Path, metavar=metavar, help=text)
+        self._outputs.append(action.dest)
+
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Parse, after everything is there."""
         self.fill()
@@ -53,13 +64,45 @@ class Parser(OneLineParser):
             if args[end:] == ["--"]:
                 self.error("a COMMAND is wanted behind --")
             args = args[:end]
-        return super().parse_known_args(args, namespace)
+        options, others = super().parse_known_args(args, namespace)
+        self._keep_apart(vars(options))
+        return options, others
+
+    def _keep_apart(self, options: Mapping[str, Any]) -> None:
+        outputs = [options[dest] for dest in self._outputs if options[dest] is not None]
+        others = [value for dest, value in options.items() if dest not in self._outputs]
+        named = chain(*(each if isinstance(each, list) else [each] for each in others))
+        inputs = [each for each in named if isinstance(each, (str, Path)) and _is_plain(each)]
+        taken = {_real(each) for each in inputs}
+        for output in outputs:
+            if _real(output) in taken and not _is_special(output):
+                self.error(f"{output} would take the place of another file that is named here")
+            taken.add(_real(output))
 
     def fill(self) -> None:
         """Take what the command has to say, once."""
         complete, self.complete = self.complete, None
         if complete is not None:
             complete(self)
+
+
+def _is_plain(name: str | Path) -> bool:
+    with suppress(OSError, ValueError):  # a name that is too long, or has a zero in it
+        return Path(name).is_file()
+    return False
+
+
+def _is_special(path: Path) -> bool:
+    """Whether it is a device or a pipe, in which nothing is lost."""
+    with suppress(OSError, ValueError):
+        return path.exists() and not path.is_file() and not path.is_dir()
+    return False
+
+
+def _real(path: str | Path) -> str:
+    with suppress(OSError, ValueError):  # the working directory is gone
+        return os.path.realpath(path)
+    return str(path)
 
 
 def add_verbosity(parser: argparse.ArgumentParser, default: Any = argparse.SUPPRESS) -> None:

@@ -31,9 +31,9 @@ def add_compare(parser: Parser) -> None:
     add_trace_options(parser)
     add_tolerances(parser)
     parser.add_argument("--json", action="store_true", help="the report for programs")
-    parser.add_argument("--html", type=Path, metavar="FILE", help="write the report as a page")
+    parser.add_output("--html", "write the report as a page")
     text = "write a bench file with the settings that fit best, and what it needs beside it"
-    parser.add_argument("--fit", type=Path, metavar="FILE", help=text)
+    parser.add_output("--fit", text)
     parser.set_defaults(command=compare)
 
 

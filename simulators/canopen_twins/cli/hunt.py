@@ -39,7 +39,7 @@ def add_hunt(parser: Parser) -> None:
     text = "where finds are written, and those of before are played first"
     parser.add_argument("--finds", type=Path, metavar="DIR", help=text)
     text = "write a page with the finds and a picture of what was tried"
-    parser.add_argument("--html", type=Path, metavar="FILE", help=text)
+    parser.add_output("--html", text)
     add_reports(parser)
     parser.set_defaults(command=hunt)
 

@@ -6,7 +6,6 @@ import sys
 import time
 from collections.abc import Callable
 from contextlib import closing
-from pathlib import Path
 from typing import TextIO
 
 from canopen_twins import scenario as simulated
@@ -34,7 +33,7 @@ def add_play(parser: Parser) -> None:
     add_reports(parser)
     text = "print frames as candump does, instead of what happens in words"
     parser.add_argument("--raw", action="store_true", help=text)
-    parser.add_argument("--plot", type=Path, metavar="FILE", help=PLOT)
+    parser.add_output("--plot", PLOT)
     add_recording(parser)
     parser.set_defaults(command=play)
 

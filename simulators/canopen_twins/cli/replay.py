@@ -22,7 +22,7 @@ log = logging.getLogger(__name__)
 def add_replay(parser: Parser) -> None:
     """replay."""
     parser.add_argument("record", type=Path, metavar="DIR", help="of --record")
-    parser.add_argument("--plot", type=Path, metavar="FILE", help=PLOT)
+    parser.add_output("--plot", PLOT)
     parser.set_defaults(command=replay)
 
 

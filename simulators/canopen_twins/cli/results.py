@@ -21,20 +21,14 @@ if TYPE_CHECKING:
 
 def add_reports(parser: Parser) -> None:
     """Verdicts for programs."""
-    parser.add_argument(
-        "--junit", type=Path, metavar="FILE", help="write the verdict as JUnit XML, for CI"
-    )
+    parser.add_output("--junit", "write the verdict as JUnit XML, for CI")
     parser.add_argument("--json", action="store_true", help="the verdict for programs")
 
 
 def add_recording(parser: Parser) -> None:
     """What is kept of a run."""
-    parser.add_argument(
-        "--trace", type=Path, metavar="FILE", help="write the frames to .log, .asc, .blf or .trc"
-    )
-    parser.add_argument(
-        "--record", type=Path, metavar="DIR", help="make a record for `replay` and `diff`"
-    )
+    parser.add_output("--trace", "write the frames to .log, .asc, .blf or .trc")
+    parser.add_output("--record", "make a record for `replay` and `diff`", "DIR")
 
 
 class Announcer:

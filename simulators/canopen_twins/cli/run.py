@@ -8,7 +8,6 @@ import logging
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from can.cli import add_bus_arguments
@@ -73,7 +72,7 @@ def add_run(parser: Parser) -> None:
     parser.usage = "%(prog)s [OPTION ...] [DEVICE] [-- COMMAND ...]"
     parser.add_argument("--scenario", metavar="SCENARIO", help=SCENARIO)
     text = "keep what the device stores in a file"
-    parser.add_argument("--nvram", type=Path, metavar="FILE", help=text)
+    parser.add_output("--nvram", text)
     add_bus(parser)
     add_control(parser)
     text = "what becomes of periodic messages that are late after a stall (skip: sent once)"
