@@ -80,3 +80,10 @@ def test_without_any_fault_a_mutant_keeps_its_contract(tmp_path, mutant):
 def test_they_are_of_all_devices_and_each_has_its_name():
     assert len({str(each) for each in MUTANTS}) == len(MUTANTS) >= 20
     assert {each.device for each in MUTANTS} == {*DEVICES}
+
+
+def test_a_release_that_has_no_effect_is_no_failure_when_a_boot_up_message_is_lost():
+    """The charger is pre-operational then: nobody has told its master that it has forgotten all."""
+    lost = {"frame_lost": {"times": 1}}
+    wrong = ({"at": 5, "inject": {"brown_out": {"times": 1}}}, {"at": 5, "inject": lost})
+    assert not run(Contract(EXAMPLES / "charger_contract.yaml"), Plan(wrong)).failures
