@@ -66,7 +66,7 @@ def contract(tmp_path, master):
 @pytest.mark.timeout(300)
 def test_a_drawn_plan_that_ends_its_process_is_told_apart_from_its_batch(tmp_path):
     tested = contract(tmp_path, CRASHES)
-    events, _ = first_run(tested)
+    events, _ = first_run(tmp_path, tested)
     batch = Batch(tested, events, 1, frozenset(), frozenset(), place=tmp_path / "batch")
     with Pool(1, lost) as pool:
         (results,) = pool(search, [batch])

@@ -374,11 +374,11 @@ def test_a_master_of_any_language_is_hunted_in_real_time(tmp_path, monkeypatch, 
     (tmp_path / "contract.yaml").write_text("""\
 version: 1
 node: {device: topcon, node_id: 5}
-duration: 2
+duration: 5
 space: {faults: [sdo_abort]}
 steps:
   - at: 0
-    expect: {frame: "605#40*", from: master, within: 2}
+    expect: {frame: "605#40*", from: master, within: 5}
 """)
     command = [sys.executable, "master.py"]
     assert main(["hunt", "contract.yaml", "--runs", "1", "--", *command]) == 1
