@@ -32,6 +32,12 @@ from canopen_twins.hunt.space import Space
 from .masters import BRITTLE, CAREFUL, CONTRACT, HASTY
 
 
+def test_no_more_is_played_than_was_wanted_where_there_is_little_to_try(hunted):
+    head, _, tail = CONTRACT.partition("[sdo_silence, power_cycle, heartbeat_stopped]")
+    code, said = hunted(CAREFUL, "--runs", "6", "--json", contract=f"{head}[]{tail}")
+    assert (code, json.loads(said)["runs"]) == (0, 6)
+
+
 @pytest.mark.parametrize("jobs", ["1", "2"])
 def test_a_careful_master_is_left_in_peace_for_as_many_runs_as_were_wanted(hunted, tmp_path, jobs):
     code, said = hunted(CAREFUL, "--runs", "20", "--jobs", jobs, "--json")

@@ -40,6 +40,8 @@ class Batch:
     """What is not looked for any more."""
     seen: frozenset[Cell]
     """Where something has gone wrong already."""
+    runs: int = RUNS
+    """At most."""
     until: float | None = None
     """When it has to be over, as `time.time()`."""
     place: Path | None = None
@@ -60,7 +62,7 @@ def search(batch: Batch) -> list[Result]:
     def judge(plan: Plan) -> None:
         if plan.key in played or plan.key in deadly:
             return
-        if len(played) >= RUNS or (batch.until is not None and time.time() >= batch.until):
+        if len(played) >= batch.runs or (batch.until is not None and time.time() >= batch.until):
             raise Enough
         with _noted(batch.place, plan):
             result = played[plan.key] = run(batch.contract, plan)

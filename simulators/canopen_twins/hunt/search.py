@@ -65,6 +65,12 @@ class Budget:
         """Whether there is some left after so many runs."""
         return not self.is_late and (self._runs is None or runs < self._runs)
 
+    def some(self, most: int, runs: int) -> int:
+        """How many may be played together after so many runs."""
+        if not self.left(runs):
+            return 0
+        return most if self._runs is None else min(most, self._runs - runs)
+
     @property
     def to_shrink(self) -> float:
         """Seconds in which a find may become simple: some, even when all is spent."""
@@ -272,21 +278,26 @@ class Hunt:
 
     def _search_freely(self, events: Events) -> None:
         # it takes half a second: for a hunt that gets this far
-        from canopen_twins.hunt.free import Batch, search, suspects  # noqa: PLC0415
+        from canopen_twins.hunt.free import RUNS, Batch, search, suspects  # noqa: PLC0415
 
         with tempfile.TemporaryDirectory() as folder:
 
             def batches() -> Iterator[Batch]:
                 for number in range(BATCHES):
-                    if not self._left:
+                    most = self._budget.some(RUNS, self.report.runs + self._on_their_way)
+                    if not most:
                         return
+                    self._on_their_way += most
+                    asked.append(most)
                     cells = frozenset((*self.report.passed, *self.report.failed))
                     known = frozenset(self._failures)
                     drawn, until = self._chance.getrandbits(32), self._budget.until
                     place = Path(folder, str(number))
-                    yield Batch(self._contract, events, drawn, known, cells, until, place)
+                    yield Batch(self._contract, events, drawn, known, cells, most, until, place)
 
+            asked: list[int] = []
             for number, results in enumerate(self._play(search, batches())):
+                self._on_their_way -= asked[number]
                 for result in [] if isinstance(results, Death) else results:
                     self._take(result)
                 for result in self._results(self._contract, suspects(Path(folder, str(number)))):
