@@ -2,12 +2,10 @@ import gc
 import os
 import signal
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from pathlib import Path
 
 import canopen
 import pytest
-from _pytest.pathlib import import_path
 from hypothesis import settings
 from played import Played, player
 from probe import Probe
@@ -39,26 +37,6 @@ def pytest_configure() -> None:
             signal.signal(number, handler)
 
 
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection(session: pytest.Session) -> None:
-    """Each worker of a run first imports a share of the files, then all, as the others left them.
-
-    In a clean checkout no assert has been rewritten yet, which takes two thirds of the collection:
-    workers that begin with the same file all do it for every one.
-    """
-    if not hasattr(session.config, "workerinput"):
-        return
-    number = int(os.environ["PYTEST_XDIST_WORKER"].removeprefix("gw"))
-    named = [Path(argument.partition("::")[0]) for argument in session.config.args]
-    files = sorted(
-        {file for path in named for file in ([path], path.rglob("test_*.py"))[path.is_dir()]}
-    )
-    for file in files[number :: int(os.environ["PYTEST_XDIST_WORKER_COUNT"])]:
-        if not {*file.parts} & {*collect_ignore}:
-            with suppress(Exception, pytest.skip.Exception):  # the collection tells of them
-                import_path(file, root=session.config.rootpath, consider_namespace_packages=False)
-
-
 def pytest_collection_finish() -> None:
     """What there is by now stays to the end: to look for garbage in it takes a tenth of a run."""
     gc.collect()
@@ -86,16 +64,6 @@ def pytest_xdist_make_scheduler(config, log):
                 return "shipped scenarios"
             number = len(self.handfuls) * 1000 // len(self.collection)
             return self.handfuls.setdefault(nodeid, f"handful {number}")
-
-        def _pending_of(self, workload):
-            """Those of the last units: what was given to a worker before is done before."""
-            pending = 0
-            for unit in reversed(workload.values()):
-                left = sum(not is_done for is_done in unit.values())
-                if not left:
-                    break
-                pending += left
-            return pending
 
     return Scheduling(config, log)
 

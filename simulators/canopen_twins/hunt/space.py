@@ -7,26 +7,23 @@ so that it is still there when something before it has changed.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from itertools import islice, permutations, product
 from math import inf, isfinite
-from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, NamedTuple, TypeVar
 
 from canopen_twins.bus.segment import Segment
-from canopen_twins.device.device import Device
 from canopen_twins.device.faults import WEATHERS, Fault, Parameter
 from canopen_twins.device.node import Node
-from canopen_twins.device.settings import About, about
 from canopen_twins.errors import UserError
 from canopen_twins.faults import connect
 from canopen_twins.files.writer import Verbatim
 from canopen_twins.hunt.contract import Disturbance, Plan
 from canopen_twins.hunt.events import Events
+from canopen_twins.hunt.settable import changes, deliveries
 from canopen_twins.hunt.waits import NEXT, Wait
 from canopen_twins.scenario import Scenario
-from canopen_twins.scenario.actions import Set
 from canopen_twins.scenario.compile import ARBITRATION
-from canopen_twins.slave.dictionary import Objects
 
 
 class Limits(NamedTuple):
@@ -55,19 +52,10 @@ MOMENTS = (0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 OF_TIME = ("seconds", "pause")
 BY_AIM = ("nth", "probability", "burst", "seed", "frame")
 MOST_ORDERS = 23  # those of four nodes
-MOST_WORDS, MOST_OBJECTS, MOST_MEASURED, MOST_WAITS = 3, 16, 8, 3
+MOST_WORDS, MOST_OBJECTS, MOST_WAITS = 3, 16, 3
 AIMS = 6
 """Of one fault, which are tried one after the other; its others are tried beside them."""
 HEX = ("code", "number", "cob_id", "value")
-TIMINGS: Mapping[str, Sequence[Any]] = {
-    "timing": ("typical", "worst"),
-    "boot_time": (0.3, 3.0),
-    "answer_time": (0.002, 0.05),
-    "store_time": (0.1, 0.8),
-    "store_busy": ("refuses",),
-    "busy_request": ("waits",),
-}
-"""Of settings that every device has, worth trying at delivery."""
 
 
 @dataclass(frozen=True)
@@ -113,14 +101,22 @@ class Space:
         self._several = len(devices) > 1
         self.options = [option for name in self._nodes for option in self._options(name)]
         self.moments = {name: list(self._moments(name)) for name in self._nodes}
-        self.changes = [change for name in self._nodes for change in self._changes(name)]
+        self.changes = [
+            (name, *change)
+            for name, node in self._nodes.items()
+            for change in changes(scenario, name, node.device)
+        ]
         self.orders = [*islice(permutations(self._nodes), 1, 1 + MOST_ORDERS)]
         self.orders.reverse()  # the last ones differ most
         """Other orders of the nodes: who comes first where frames are of one microsecond."""
         names = (*ARBITRATION, *self._nodes)
         self.arbitrations = [name for name in names if name != scenario.arbitration]
         """Who else may be on the bus first where several send at one microsecond."""
-        self.deliveries = [each for name in self._nodes for each in self._deliveries(name)]
+        self.deliveries = [
+            (name, *each)
+            for name, node in self._nodes.items()
+            for each in deliveries(scenario, node.device)
+        ]
 
     @property
     def faults(self) -> list[str]:
@@ -380,69 +376,6 @@ class Space:
                 if len(times) > 1:
                     variants.append({**aimed, "nth": 2})
         return variants[: 2 * MOST_OBJECTS]
-
-    # Settings
-
-    def _changes(self, node: str) -> Iterator[tuple[str, str, Any]]:
-        """What may change while it runs."""
-        device = self._nodes[node].device
-        for name, told, values in _settings(device):
-            if told.live:
-                yield from ((node, name, value) for value in self._settable(name, values))
-        for name, values in self._objects(node, device):
-            yield from ((node, name, value) for value in self._settable(name, values))
-
-    def _objects(self, node: str, device: Device) -> Iterator[tuple[str, Sequence[Any]]]:
-        """What is measured, at its ends: a sensor breaks, a sign or a carry is forgotten.
-
-        What the steps of the contract set is theirs.
-        """
-        known = Objects(device.dictionary())
-        theirs = {
-            known.find(name).qualname
-            for step in self._scenario.steps
-            if isinstance(step.action, Set) and step.node == node
-            for name in step.action.settings
-            if name in known
-        }
-        ends = {
-            name: (high, low)
-            for name, (low, high) in islice(device.ranges.items(), MOST_MEASURED)
-            if known.find(name).qualname not in theirs
-        }
-        settings = {entry.name for entry in fields(device.settings)}
-        chosen = [name for name in self._scenario.space.settings if name not in settings]
-        for name in {**dict.fromkeys(filter(device.knows, chosen)), **ends}:
-            yield name, ends.get(name, ())
-
-    def _deliveries(self, node: str) -> Iterator[tuple[str, str, Any]]:
-        """How it may be delivered."""
-        device = self._nodes[node].device
-        for name, told, _ in _settings(device):
-            if not told.live:
-                tried = self._settable(name, TIMINGS.get(name, ()))
-                yield from ((node, name, value) for value in tried)
-
-    def _settable(self, name: str, values: Sequence[Any]) -> Sequence[Any]:
-        """Those of the file; what is declared is left out where the file names faults alone."""
-        said = self._scenario.space
-        return said.settings.get(name, values if said.faults is None else ())
-
-
-def _settings(device: Device) -> Iterator[tuple[str, About, Sequence[Any]]]:
-    """Every setting, with values that its declaration tells."""
-    types = get_type_hints(type(device.settings))
-    for entry in fields(device.settings):
-        told, kind = about(entry), types[entry.name]
-        values: Sequence[Any] = ()
-        if get_origin(kind) is Literal:
-            values = get_args(kind)
-        elif kind is bool:
-            values = (False, True)
-        elif kind is float and isfinite(told.low) and isfinite(told.high):
-            values = (told.low, told.high)
-        current = getattr(device.settings, entry.name)
-        yield entry.name, told, [each for each in values if each != current]
 
 
 def _number(key: str, value: Any) -> Any:
