@@ -129,7 +129,7 @@ def test_a_find_fails_the_same_way_in_play_and_in_another_process(hasty, monkeyp
     assert outcome["what"] == "back within 3 s: Voltage reference 2000, Run command 1"
     find = yaml.safe_load(file.read_text())
     assert "power_cycle" in find["disturbances"][0]["inject"]
-    assert find["note"].startswith("Power_cycle")
+    assert find["note"].startswith("The fault power_cycle")
     assert "Expected: back within 3 s: Voltage reference 2000, Run command 1." in find["note"]
 
 

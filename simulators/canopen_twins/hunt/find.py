@@ -100,11 +100,11 @@ def _words(told: Disturbance) -> str:
     lasts = f" for {told['for']:g} s" if "for" in told else ""
     node = f" of {told['node']}" if "node" in told else ""
     if "set" in told:
-        return f"{_named(told['set'])}{node} {when}"
+        return f"set {_named(told['set'])}{node} {when}"
     inject = told["inject"]
     name = what(told)
     given = "" if isinstance(inject, str) else f" ({_named(inject[name])})"
-    return f"{name}{given}{node} {when}{lasts}"
+    return f"the fault {name}{given}{node} {when}{lasts}"
 
 
 def _condition(when: Mapping[str, Any]) -> str:
