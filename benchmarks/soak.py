@@ -236,11 +236,13 @@ def _heard(master: Master, took: float) -> Iterator[str]:
             lost += max(0, int(took / master.periods[node_id]) - 1 - len(times))
             continue
         intervals = [after - before for before, after in pairwise(times)]
-        period, span = median(intervals), times[-1] - times[0]
+        said, span = master.periods[node_id], times[-1] - times[0]
+        is_as_said = abs(span / len(intervals) - said) <= STEP / 2
+        period = said if is_as_said else median(intervals)  # it may count in steps of its own
         periods = round(span / period)
-        lost += max(0, periods + 1 - len(times))
-        mean = span / max(periods, len(intervals))  # a device may count in steps of its own
-        if abs(mean - master.periods[node_id]) > STEP:
+        lost += max(0, periods - len(intervals))
+        mean = span / max(periods, len(intervals))
+        if abs(mean - said) > STEP:
             yield f"node {node_id} has heartbeats of {mean:.3f} s"
         lags = [abs(interval - period) for interval in intervals]
         late += sum(lag > LATE for lag in lags)
