@@ -7,18 +7,16 @@ from typing import TYPE_CHECKING
 
 from canopen_twins.bus import identifiers
 from canopen_twins.bus.frame import Frame
+from canopen_twins.bus.identifiers import classify
 from canopen_twins.bus.segment import Segment
 from canopen_twins.device.node import Node
+from canopen_twins.live.bus import OWN
 from canopen_twins.slave.emcy import emcy_id
 
 if TYPE_CHECKING:
     from canopen_twins.scenario import Player
 
 log = logging.getLogger(__name__)
-
-BASE = 0x780  # of an identifier; the rest is the node id
-OWN = {identifiers.emcy(0), identifiers.sdo_answer(0), identifiers.heartbeat(0)}
-OF_NOBODY = {identifiers.SYNC}  # which would be the EMCY of a node 0
 
 
 class NodeIdWatch:
@@ -38,13 +36,13 @@ class NodeIdWatch:
         segment.listeners.append(self._hear)
 
     def _hear(self, frame: Frame, sender: str) -> None:
-        can_id = frame.can_id
-        if sender or can_id & BASE not in OWN or can_id in OF_NOBODY:
+        if sender or frame.remote or frame.extended:
             return
-        if frame.remote or frame.extended:
+        known = classify(frame.can_id)  # a SYNC is no EMCY of a node 0
+        if known is None or known.cob not in OWN:
             return
         for node in self._nodes:
-            if node not in self._known and can_id in _own(node):
+            if node not in self._known and frame.can_id in _own(node):
                 self._take(node, frame)
 
     def _take(self, node: Node, frame: Frame) -> None:
