@@ -13,6 +13,7 @@ import canopen
 
 CHANNEL = "vcan0"
 PATIENCE = 30.0  # seconds; only what is broken takes so long
+BACKLOG = 1 << 22  # bytes; by itself a witness that is held up loses what 250 frames do not hold
 STALL = rb"stood still for|of real time are left out"  # of the machine, and true when it is said
 
 
@@ -94,7 +95,7 @@ class Candump(Process):
     """Everything on the bus, as `candump -L` tells it."""
 
     def __init__(self, *filters):
-        super().__init__("candump", "-L", CHANNEL)
+        super().__init__("candump", "-L", "-r", str(BACKLOG), CHANNEL)
         self.lines = Lines(self.process.stdout)
         while not self.lines.next(within=0.05):  # it hears from now on
             cansend("7FF#")
