@@ -35,7 +35,7 @@ The [reference masters](../examples/masters/) keep their contracts in a hunt. Ea
 is one of them with one mistake that real masters make, and nothing else; without any fault each
 keeps its contract, too. They lie in `tests/hunt/mutants`. A hunt was in rough weather with seed
 {seed}, and ended with its first find, or after as many runs as one idle core plays in about 60 s:
-{budgets}. The seconds are those of this time, with {at_once} hunts at once, each in one
+{budgets}. The seconds are those of this time, with {at_once} at a time, each in one
 process, on {cores} cores that had a load of {load:.0f}; they include the time in which a find
 becomes simple and is seen to fail again in another process.
 
