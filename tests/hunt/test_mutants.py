@@ -93,3 +93,14 @@ def test_a_command_that_meets_a_boot_up_message_is_no_failure_when_it_is_withdra
     """0.05 s of no supply and 0.3 s of boot are a time-out of 0.3 s and a pause: RUN comes again."""
     wrong = ({"when": {"write": {"Run command": 1}}, "inject": {"brown_out": {"times": 1}}},)
     assert not run(Contract(EXAMPLES / "topcon_contract.yaml"), Plan(wrong)).failures
+
+
+def test_an_emergency_that_tells_of_an_end_is_none_to_react_to():
+    wrong = ({"at": 1, "inject": {"emcy_storm": {"times": 1, "code": 0}}},)
+    assert not run(Contract(EXAMPLES / "topcon_contract.yaml"), Plan(wrong)).failures
+
+
+def test_heartbeats_that_are_lost_while_the_master_waits_for_an_answer_are_missed():
+    """Two of them, and the answer: the next heartbeat is there before the main thread can look."""
+    wrong = ({"at": 2, "inject": {"frame_lost": {"times": 3}}},)
+    assert not run(Contract(EXAMPLES / "topcon_contract.yaml"), Plan(wrong)).failures

@@ -96,7 +96,9 @@ class Supply:
         self.node.emcy.add_callback(self.on_emergency)
 
     def on_heartbeat(self, state):
-        self.heard, self.state = time.monotonic(), state
+        last, self.heard, self.state = self.heard, time.monotonic(), state
+        if self.heard - last > LOST_AFTER:  # the main thread may have been busy meanwhile
+            self.news.put("it was not heard for too long")
         if state == 0:
             self.news.put("it has booted")
 
@@ -107,6 +109,7 @@ class Supply:
     def start(self):
         while not self.news.empty():
             self.news.get()  # what comes from here on counts
+        self.heard = time.monotonic()
         self.node.nmt.state = "PRE-OPERATIONAL"  # one that is stopped would not answer
         if self.number(0x1018, 1, 4) != VENDOR or self.read(0x1008, 0, len(NAME)) != NAME:
             raise SupplyError("another device than expected")
