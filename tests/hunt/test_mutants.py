@@ -90,7 +90,7 @@ def test_a_release_that_has_no_effect_is_no_failure_when_a_boot_up_message_is_lo
 
 
 def test_a_command_that_meets_a_boot_up_message_is_no_failure_when_it_is_withdrawn_at_once():
-    """0.05 s of no supply and 0.3 s of boot are a time-out of 0.3 s and a pause: RUN comes again."""
+    """0.05 s of no supply and 0.3 s of boot are a time-out of 0.3 s and a pause: RUN comes then."""
     wrong = ({"when": {"write": {"Run command": 1}}, "inject": {"brown_out": {"times": 1}}},)
     assert not run(Contract(EXAMPLES / "topcon_contract.yaml"), Plan(wrong)).failures
 
