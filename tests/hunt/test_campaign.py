@@ -19,7 +19,8 @@ from canopen_twins.hunt.campaign import lost
 from canopen_twins.hunt.cluster import Cluster
 from canopen_twins.hunt.results import Results
 
-from .test_hunt import BRITTLE, CAREFUL
+from .conftest import play_here
+from .masters import BRITTLE, CAREFUL
 
 CONTRACT = """\
 version: 1
@@ -45,8 +46,8 @@ EMPTY = 2 * 4096  # bytes of a file without runs
 
 
 @pytest.fixture
-def played(tmp_path, monkeypatch, capsys):
-    """Play a campaign with a master; exit code and what is said."""
+def played_elsewhere(tmp_path, monkeypatch, capsys):
+    """Play a campaign with a master in other processes; exit code and what is said."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "contract.yaml").write_text(CONTRACT)
 
@@ -58,6 +59,12 @@ def played(tmp_path, monkeypatch, capsys):
         return code, said.out + said.err
 
     return played
+
+
+@pytest.fixture
+def played(here, played_elsewhere):
+    """The same in this one."""
+    return played_elsewhere
 
 
 def test_every_run_of_the_grid_is_played_once_and_never_again(played):
@@ -100,13 +107,15 @@ def test_a_campaign_that_is_cut_short_goes_on_where_it_was(played, tmp_path):
     assert played(CAREFUL)[1].endswith(f"5 of {RUNS} played now\n")
 
 
-def test_two_processes_find_the_same_to_the_byte(played, tmp_path):
-    played(BRITTLE, "--json", "one.json")
+def test_two_processes_find_the_same_to_the_byte(played_elsewhere, tmp_path):
+    with pytest.MonkeyPatch.context() as patch:
+        play_here(patch)
+        played_elsewhere(BRITTLE, "--json", "here.json")
     (tmp_path / "campaign.sqlite").unlink()
-    played(BRITTLE, "--json", "two.json", "--jobs", "2")
-    one = (tmp_path / "one.json").read_bytes()
-    assert (tmp_path / "two.json").read_bytes() == one
-    runs = json.loads(one)["runs"]
+    played_elsewhere(BRITTLE, "--json", "there.json", "--jobs", "2")
+    here = (tmp_path / "here.json").read_bytes()
+    assert (tmp_path / "there.json").read_bytes() == here
+    runs = json.loads(here)["runs"]
     assert len(runs) == RUNS
     assert {run["verdict"] for run in runs} == {"PASS", "FAIL"}
     assert runs[0]["settings"] == {"topcon.load": "resistor 4", "topcon.timing": "ideal"}
@@ -235,14 +244,16 @@ def until(true):
 
 
 @pytest.mark.timeout(300)
-def test_a_cluster_finds_the_same_to_the_byte_though_one_of_it_is_killed(played, tmp_path):
+def test_a_cluster_finds_the_same_to_the_byte_though_one_of_it_is_killed_and_its_end_is_one_line(
+    played, tmp_path
+):
     pytest.importorskip("distributed")
     long = CAMPAIGN.replace("seeds: [1]", "seeds: 3")
     played(BRITTLE, "--json", "here.json", campaign=long)
     (tmp_path / "campaign.sqlite").unlink()
     work = tmp_path / "cluster"
     work.mkdir()
-    with a_cluster(work) as (address, workers, _):
+    with a_cluster(work) as (address, workers, scheduler):
         command = ["campaign", "campaign.yaml", "--master", "my_master:main", "--dask", address]
         command += ["--upload", "my_master.py", "--json", "there.json"]
         playing = subprocess.Popen(
@@ -253,18 +264,13 @@ def test_a_cluster_finds_the_same_to_the_byte_though_one_of_it_is_killed(played,
         until(lambda: size(tmp_path / "campaign.sqlite") > EMPTY)
         workers[0].send_signal(signal.SIGKILL)
         assert playing.wait(240) == 1
+        with Cluster(address, lost) as cluster:
+            played = cluster(str, range(1000))
+            assert next(played) == "0"
+            scheduler.send_signal(signal.SIGKILL)
+            with pytest.raises(UserError, match=f"^the dask scheduler at {address} is gone: "):
+                list(played)
     assert (tmp_path / "there.json").read_bytes() == (tmp_path / "here.json").read_bytes()
-
-
-@pytest.mark.timeout(300)
-def test_a_cluster_that_goes_away_is_one_line(tmp_path):
-    pytest.importorskip("distributed")
-    with a_cluster(tmp_path) as (address, _, scheduler), Cluster(address, lost) as cluster:
-        played = cluster(str, range(1000))
-        assert next(played) == "0"
-        scheduler.send_signal(signal.SIGKILL)
-        with pytest.raises(UserError, match=f"^the dask scheduler at {address} is gone: "):
-            list(played)
 
 
 def test_a_cluster_that_is_not_there_is_one_line(played, monkeypatch):

@@ -13,6 +13,7 @@ import pytest
 import yaml
 
 from canopen_twins import play
+from canopen_twins.hunt import workers
 from canopen_twins.hunt.contract import Contract, Plan
 from canopen_twins.hunt.free import Batch, search, suspects
 from canopen_twins.hunt.report import Report, ThrownAway, as_html, as_json, lines
@@ -26,10 +27,17 @@ CRASHES = CAREFUL.replace("        pass\n", "        __import__('ctypes').string
 """A lost answer ends its process by SIGSEGV."""
 
 
+@pytest.fixture
+def believed(monkeypatch):
+    """Two deaths are enough, of a third of a second each; test_workers.py has all that it takes."""
+    monkeypatch.setattr(workers, "DEATHS", 2)
+
+
 @pytest.mark.timeout(300)
-def test_a_plan_that_ends_the_process_of_its_master_is_a_find(hunted, tmp_path):
+def test_a_plan_that_ends_the_process_of_its_master_is_a_find(believed, hunted_elsewhere, tmp_path):
     (tmp_path / "finds").mkdir()
-    code, said = hunted(CRASHES, "--runs", "2", "--finds", "finds")
+    short = CONTRACT.partition("steps:")[0]  # each of its parts is a death more
+    code, said = hunted_elsewhere(CRASHES, "--runs", "2", "--finds", "finds", contract=short)
     assert code == 1
     told = "has ended its process: SIGSEGV in my_master.py:22"
     assert f"finds/hunt-1.twin.yaml: master my_master:main: {told}\n" in said
@@ -43,12 +51,12 @@ def test_a_plan_that_ends_the_process_of_its_master_is_a_find(hunted, tmp_path):
     assert done.returncode == -signal.SIGSEGV
     assert 'my_master.py", line 22 in keep' in done.stderr
 
-    code, said = hunted(CRASHES, "--runs", "1", "--finds", "finds")
+    code, said = hunted_elsewhere(CRASHES, "--runs", "1", "--finds", "finds", contract=short)
     assert (code, "still fails: master my_master:main: has ended" in said) == (1, True)
 
 
-def test_no_hunt_begins_with_a_master_that_always_ends_its_process(hunted):
-    code, said = hunted(
+def test_no_hunt_begins_with_a_master_that_always_ends_its_process(believed, hunted_elsewhere):
+    code, said = hunted_elsewhere(
         CRASHES.replace("while True:", "while __import__('ctypes').string_at(0):"), "--runs", "3"
     )
     assert (code, "without any fault this master ends its process: SIGSEGV in my" in said) == (
@@ -57,24 +65,32 @@ def test_no_hunt_begins_with_a_master_that_always_ends_its_process(hunted):
     )
 
 
-def contract(tmp_path, master):
+def contract(tmp_path, master, text=CONTRACT, name="contract"):
     (tmp_path / "my_master.py").write_text(master)
-    (tmp_path / "contract.yaml").write_text(CONTRACT)
-    return Contract(tmp_path / "contract.yaml", "my_master:main")
+    (tmp_path / f"{name}.yaml").write_text(text)
+    return Contract(tmp_path / f"{name}.yaml", "my_master:main")
+
+
+FAULTS = "[sdo_silence, power_cycle, heartbeat_stopped]"
+HARMLESS = "heartbeat_stopped, boot_up_repeated, emcy_doubled, emcy_lost"
 
 
 @pytest.mark.timeout(300)
-def test_a_drawn_plan_that_ends_its_process_is_told_apart_from_its_batch(tmp_path):
-    tested = contract(tmp_path, CRASHES)
-    events, _ = first_run(tmp_path, tested)
-    batch = Batch(tested, events, 1, frozenset(), frozenset(), place=tmp_path / "batch")
+def test_a_drawn_plan_that_ends_its_process_is_told_apart_from_its_batch(believed, tmp_path):
+    def batch(name, faults, runs):
+        tested = contract(tmp_path, CRASHES, CONTRACT.replace(FAULTS, f"[{faults}]"), name)
+        events, _ = first_run(tmp_path, tested)
+        return Batch(tested, events, 1, frozenset(), frozenset(), runs, place=tmp_path / name)
+
+    goes_on, dies = batch("goes_on", f"sdo_silence, {HARMLESS}", 1), batch("dies", "sdo_silence", 9)
     with Pool(1, lost) as pool:
-        (results,) = pool(search, [batch])
-        deadly = suspects(batch.place)
+        results, death = pool(search, [goes_on, dies])
+        deadly = suspects(goes_on.place)
         assert deadly
-        assert all(each.death for each in pool(partial(run, tested), deadly))
-    keys = {plan.key for plan in deadly}
-    assert isinstance(results, Death) or not [each for each in results if each.plan.key in keys]
+        assert all(each.death for each in pool(partial(run, goes_on.contract), deadly))
+    assert results
+    assert not {each.plan.key for each in results} & {plan.key for plan in deadly}
+    assert (type(death), len(suspects(dies.place))) == (Death, workers.DEATHS)
 
 
 def begins_with(line):
@@ -119,13 +135,12 @@ DELETES = CAREFUL.replace("canopen.SdoCommunicationError", "canopen.SdoAbortedEr
 )
 
 
-@pytest.mark.parametrize("folder", ["nowhere", "finds"])
 def test_a_master_that_deletes_its_directory_keeps_no_find_from_being_written(
-    hunted, tmp_path, folder
+    hunted_elsewhere, tmp_path
 ):
     (tmp_path / "finds").mkdir()
-    deleted = f"FOLDER = {str(tmp_path / folder)!r}\n{DELETES}"
-    code, said = hunted(deleted, "--runs", "2", "--finds", "finds")
+    deletes = f"FOLDER = {str(tmp_path / 'finds')!r}\n{DELETES}"
+    code, said = hunted_elsewhere(deletes, "--runs", "2", "--finds", "finds")
     assert (code, (tmp_path / "finds" / "hunt-1.twin.yaml").is_file()) == (1, True), said
 
 
