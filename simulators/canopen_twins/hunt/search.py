@@ -1,4 +1,4 @@
-"""The search: every single fault first, then pairs, then freely, until the budget is spent.
+"""The search: single faults, soon pairs of them, too, then freely, until the budget is spent.
 
 What is found is shrunk and written at once, and the search goes on for others.
 """
@@ -42,8 +42,9 @@ SECONDS = 60.0
 """Of a hunt of which nobody says how long it goes on."""
 SHORTEST = 0.1  # seconds of a contract in which anything can go wrong
 FIRST = 1000
-"""Single faults, before pairs of them; the others come in turn with everything mixed."""
-PAIRS = 300
+"""Single faults, before the others come in turn with everything mixed."""
+ALONE, BESIDE, PAIRS = 200, 4, 300
+"""So many single faults come first, then a pair after every few of them, and so many in all."""
 BATCHES, SINGLES = 4, 160
 """Of the mixed, and of singles, in turn."""
 
@@ -121,9 +122,7 @@ class Hunt:
         self._try_known()
         self._try(space.at_delivery())
         self._sweep = Sweep(space.singles(), lambda result: space.learn(result.waits))
-        self._try(islice(self._sweep, FIRST))
-        if space.limits.most > 1:
-            self._try(islice(self._pairs(), PAIRS))
+        self._try(self._first(PAIRS if space.limits.most > 1 else 0))
         while self._left:
             self._search_freely(events)
             self._try(islice(self._sweep, SINGLES))
@@ -265,11 +264,22 @@ class Hunt:
         place, play = self._folder, self._compared
         return write_find(self._contract, result, failure, place, play, before=before)
 
-    def _pairs(self) -> Iterator[Plan]:
-        """Of singles that have changed something and were survived."""
-        singles = [plan for plan in self._interesting if plan.disturbances]
+    def _first(self, pairs: int) -> Iterator[Plan]:
+        """Single faults, and pairs: not behind all, where no hunt of a minute ever gets."""
+        some = self._pairs(pairs)
+        for number, plan in enumerate(islice(self._sweep, FIRST)):
+            yield plan
+            if number >= ALONE and number % BESIDE == 0:
+                yield from islice(some, 1)
+        yield from some
+
+    def _pairs(self, most: int) -> Iterator[Plan]:
+        """Of singles that have changed something and were survived so far."""
         seen = set()
-        for _ in range(4 * PAIRS if len(singles) > 1 else 0):
+        for _ in range(4 * most):
+            singles = [plan for plan in self._interesting if len(plan.disturbances) == 1]
+            if len(singles) < 2 or len(seen) == most:
+                return
             one, other = self._chance.sample(singles, 2)
             plan = replace(one, disturbances=(*one.disturbances, *other.disturbances))
             if plan.key not in seen and len(set(plan.faults)) == len(plan.faults):
