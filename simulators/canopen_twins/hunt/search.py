@@ -275,7 +275,7 @@ class Hunt:
 
     def _pairs(self, most: int) -> Iterator[Plan]:
         """Of singles that have changed something and were survived so far."""
-        seen = set()
+        seen: set[str] = set()
         for _ in range(4 * most):
             singles = [plan for plan in self._interesting if len(plan.disturbances) == 1]
             if len(singles) < 2 or len(seen) == most:
