@@ -18,6 +18,23 @@ collect_ignore = ["project_beside"]  # it runs by itself: see test_beside.py
 LEAN = "-p no:anyio -p no:benchmark -p no:hypothesispytest"
 """Of the pytest runs that tests start: a second of imports each, which none of them is about."""
 WITH_RUNS = ("tests/test_every_scenario.py", "tests/test_coverage.py")  # the fixture `played`
+IN_REAL_TIME = (
+    "tests/charger/test_served.py",
+    "tests/compare/test_local_node.py",
+    "tests/conform/test_live.py",
+    "tests/control/test_events.py",
+    "tests/control/test_guard.py",
+    "tests/control/test_how_to.py",
+    "tests/control/test_panel.py",
+    "tests/hub/test_server.py",
+    "tests/hunt/test_workers.py",
+    "tests/test_how_to_judge.py",
+    "tests/test_master_beside.py",
+    "tests/test_serve.py",
+    "tests/test_three_ways.py",
+)
+"""They wait for more than half of their time."""
+TOGETHER = dict.fromkeys(WITH_RUNS, "shipped scenarios") | dict.fromkeys(IN_REAL_TIME, "real time")
 
 # what one process of a run has compiled, no other has to: there are two hundred of them
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
@@ -45,25 +62,24 @@ def pytest_collection_finish() -> None:
 
 
 @pytest.hookimpl(optionalhook=True)
-def pytest_xdist_make_scheduler(config, log):
-    """One worker has all tests that look at the runs of shipped scenarios, and begins with them.
+def pytest_xdist_auto_num_workers() -> int:
+    """One process more than processors: tests in real time wait for most of it (IN_REAL_TIME)."""
+    return (os.cpu_count() or 1) + 1
 
-    The others go out a thousandth of all at a time, neighbours together: who hands out ten
-    thousand of them one by one counts at each what has become of all before.
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """A file goes to one worker, which makes the fixtures of the file once; large ones go first.
+
+    Some files go together: those that look at the runs of shipped scenarios, and those that wait.
     The groups of pytest-xdist 3.8 are of no effect with pytest 9.2.
     """
     from xdist.scheduler import LoadScopeScheduling  # noqa: PLC0415
 
     class Scheduling(LoadScopeScheduling):
-        def __init__(self, *arguments):
-            super().__init__(*arguments)
-            self.handfuls = {}
-
         def _split_scope(self, nodeid):
-            if nodeid.startswith(WITH_RUNS):
-                return "shipped scenarios"
-            number = len(self.handfuls) * 1000 // len(self.collection)
-            return self.handfuls.setdefault(nodeid, f"handful {number}")
+            file = nodeid.partition("::")[0]
+            return TOGETHER.get(file, file)
 
     return Scheduling(config, log)
 

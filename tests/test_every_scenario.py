@@ -37,13 +37,11 @@ def listed():
     return out.getvalue().splitlines()
 
 
-def test_it_is_listed_with_its_name(run, listed):
-    (line,) = (line for line in listed if line.startswith(f"{run.scenario.file.name} "))
-    assert line.split(maxsplit=1)[1] == run.scenario.name
-
-
-def test_it_says_what_it_is_about_and_expects_something(run):
-    assert run.scenario.name != run.scenario.file.stem
+def test_it_says_what_it_is_about_and_of_which_device_and_expects_something(run, listed):
+    file, name = run.scenario.file, run.scenario.name
+    (line,) = (line for line in listed if line.startswith(f"{file.name} "))
+    assert line.split(maxsplit=1)[1] == name != file.stem
+    assert file.stem.split("_")[0] in run.scenario.nodes
     assert run.scenario.note
     assert run.verdict.outcomes
 
@@ -56,7 +54,3 @@ def test_an_emergency_is_expected_with_all_that_it_says(run):
     ]
     signs = [(line, sign) for line, sign in wanted if isinstance(sign, EmcyLike)]
     assert [line for line, sign in signs if None in (sign.code, sign.register, sign.detail)] == []
-
-
-def test_its_name_begins_with_that_of_a_device(run):
-    assert run.scenario.file.stem.split("_")[0] in run.scenario.nodes
