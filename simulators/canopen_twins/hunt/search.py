@@ -22,6 +22,7 @@ from canopen_twins.errors import UserError
 from canopen_twins.hunt.contract import Contract, Plan
 from canopen_twins.hunt.events import Events, events_of
 from canopen_twins.hunt.find import SUFFIX, Find, NotTheSameError, write_find
+from canopen_twins.hunt.pairs import Pairs
 from canopen_twins.hunt.report import Report, ThrownAway
 from canopen_twins.hunt.run import Failure, Result, difference, ended, run, run_to_compare
 from canopen_twins.hunt.shrink import (
@@ -107,9 +108,9 @@ class Hunt:
         self._play = play
         self._tell = tell
         self._failures: set[Failure] = set()
-        self._interesting: list[Plan] = []
         self._traces: set[str] = set()
         self._sweep = Sweep([])
+        self._pairs = Pairs(self._chance, 0)
         self._on_their_way = 0
 
     def hunt(self) -> Report:
@@ -122,7 +123,8 @@ class Hunt:
         self._try_known()
         self._try(space.at_delivery())
         self._sweep = Sweep(space.singles(), lambda result: space.learn(result.waits))
-        self._try(self._first(PAIRS if space.limits.most > 1 else 0))
+        self._pairs = Pairs(self._chance, PAIRS if space.limits.most > 1 else 0)
+        self._try(self._first())
         while self._left:
             self._search_freely(events)
             self._try(islice(self._sweep, SINGLES))
@@ -222,10 +224,9 @@ class Hunt:
     def _take(self, result: Result) -> None:
         self.report.count(result)
         self._sweep.learn(result)
-        if not result.error and result.trace not in self._traces:
+        self._pairs.learn(result, is_new=result.trace not in self._traces)
+        if not result.error:
             self._traces.add(result.trace)
-            if not result.failures:
-                self._interesting.append(result.plan)
         for failure in result.failures:
             if failure not in self._failures:
                 self._failures.add(failure)
@@ -264,27 +265,13 @@ class Hunt:
         place, play = self._folder, self._compared
         return write_find(self._contract, result, failure, place, play, before=before)
 
-    def _first(self, pairs: int) -> Iterator[Plan]:
+    def _first(self) -> Iterator[Plan]:
         """Single faults, and pairs: not behind all, where no hunt of a minute ever gets."""
-        some = self._pairs(pairs)
         for number, plan in enumerate(islice(self._sweep, FIRST)):
             yield plan
             if number >= ALONE and number % BESIDE == 0:
-                yield from islice(some, 1)
-        yield from some
-
-    def _pairs(self, most: int) -> Iterator[Plan]:
-        """Of singles that have changed something and were survived so far."""
-        seen: set[str] = set()
-        for _ in range(4 * most):
-            singles = [plan for plan in self._interesting if len(plan.disturbances) == 1]
-            if len(singles) < 2 or len(seen) == most:
-                return
-            one, other = self._chance.sample(singles, 2)
-            plan = replace(one, disturbances=(*one.disturbances, *other.disturbances))
-            if plan.key not in seen and len(set(plan.faults)) == len(plan.faults):
-                seen.add(plan.key)
-                yield plan
+                yield from islice(self._pairs, 1)
+        yield from self._pairs
 
     def _search_freely(self, events: Events) -> None:
         # it takes half a second: for a hunt that gets this far
