@@ -237,36 +237,6 @@ def test_the_free_search_depends_on_its_seed_alone(tmp_path, monkeypatch):
     assert played(1) == played(1) != played(2)
 
 
-@pytest.mark.parametrize(
-    ("master", "contract", "said"),
-    [
-        ("def main(network): pass\n", CONTRACT, "this master does not keep the contract"),
-        ("def main(network): 1 / 0\n", CONTRACT, "ZeroDivisionError: division by zero"),
-        ("def other(): pass\n", CONTRACT, "unknown function 'main'"),
-        (CAREFUL, CONTRACT.replace("sdo_silence", "sdo_silent"), "did you mean 'sdo_silence'?"),
-        (CAREFUL, CONTRACT.replace("duration", "durations"), "unknown key 'durations'"),
-        (CAREFUL, CONTRACT.partition("duration")[0] + "steps: []\n", "give it a 'duration'"),
-        (CAREFUL, "version: 1\nsteps: [", "contract.yaml:2:"),
-        (
-            CAREFUL.replace(
-                "time.sleep(0.5)", "time.sleep(__import__('time').time_ns() % 97 / 100)"
-            ),
-            CONTRACT,
-            "two runs without any fault are not the same",
-        ),
-    ],
-)
-def test_no_hunt_begins_with_a_contract_that_is_not_kept(hunted, master, contract, said):
-    code, told = hunted(master, "--runs", "9", contract=contract)
-    assert (code, said in told) == (2, True), told
-
-
-def test_who_is_tested_has_to_be_said(tmp_path, capsys):
-    (tmp_path / "contract.yaml").write_text(CONTRACT)
-    assert main(["hunt", str(tmp_path / "contract.yaml"), "--runs", "9"]) == 2
-    assert "who is tested? Say --master MODULE:FUNCTION" in capsys.readouterr().err
-
-
 def test_what_another_hunt_has_not_finished_is_no_find_of_before(hunted, tmp_path, monkeypatch):
     (tmp_path / "finds").mkdir()
     kept = Trial.keep
@@ -281,49 +251,6 @@ def test_what_another_hunt_has_not_finished_is_no_find_of_before(hunted, tmp_pat
     hunted(BRITTLE, "--runs", "2", "--finds", "finds")
     code, said = others[0]
     assert (code, "passes now" in said) == (0, False), said
-
-
-def test_a_damaged_find_is_told_with_its_place(hunted, tmp_path):
-    (tmp_path / "finds").mkdir()
-    (tmp_path / "finds" / "hunt-1.twin.yaml").write_text("version: 1\nstep: []\n")
-    code, said = hunted(CAREFUL, "--runs", "2", "--finds", "finds")
-    assert (code, said.count("hunt-1.twin.yaml")) == (2, 1), said
-    assert said.startswith("canopen-twin: finds/hunt-1.twin.yaml:2:1: unknown key 'step'")
-
-
-def test_finds_have_to_find_their_master_from_where_they_lie(here, tmp_path, monkeypatch, capsys):
-    for folder in ("house", "elsewhere"):
-        (tmp_path / folder).mkdir()
-    (tmp_path / "house" / "my_master.py").write_text(BRITTLE)
-    (tmp_path / "house" / "contract.yaml").write_text(CONTRACT)
-    monkeypatch.chdir(tmp_path / "elsewhere")
-    hunt = ["hunt", "../house/contract.yaml", "--master", "my_master:main", "--runs", "2"]
-    assert main(hunt) == 2
-    said = capsys.readouterr().err
-    assert said == (
-        "canopen-twin: finds in . would not find their master 'my_master:main': there is no module"
-        " 'my_master' here or beside the file: have a folder for them beside the contract"
-        " (--finds)\n"
-    )
-    assert main([*hunt, "--finds", "../house"]) == 1
-    assert (tmp_path / "house" / "hunt-1.twin.yaml").is_file()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["--finds", "nowhere"], "there is no directory nowhere"),
-        pytest.param(
-            *(["--finds", "/proc"], "finds cannot be written to /proc: "),
-            marks=pytest.mark.skipif(sys.platform != "linux", reason="has no such folder"),
-        ),
-        (["--html", "nowhere/page.html"], "there is no directory for it"),
-        (["--runs", "0"], "at least one run"),
-    ],
-)
-def test_what_cannot_be_is_told_before_anything_is_played(hunted, arguments, said):
-    code, told = hunted(CAREFUL, *arguments)
-    assert (code, said in told) == (2, True), told
 
 
 TEST = """\
@@ -380,13 +307,6 @@ def test_one_that_is_interrupted_tells_what_it_has_found(hunted, tmp_path, monke
     assert (tmp_path / "hunt.html").is_file()
 
 
-def test_without_hypothesis_it_says_at_once_what_is_missing(hunted, monkeypatch):
-    monkeypatch.setitem(sys.modules, "hypothesis", None)
-    code, said = hunted(CAREFUL, "--runs", "1")
-    assert code == 2
-    assert said == "canopen-twin: a hunt needs the extra: pip install 'canopen-twins[hunt]'\n"
-
-
 def test_the_tutorial_shows_what_is_found(hunted, tmp_path):
     page = Path(__file__).parents[2] / "docs" / "tutorial-hunt.md"
     shown = dict(re.findall(r"```\w+ file=(\S+)\n(.*?)```", page.read_text("utf-8"), re.DOTALL))
@@ -441,11 +361,6 @@ steps:
     assert "master" not in yaml.safe_load(find.read_text())
     code = main(["run", "--scenario", find.name, "--hub", "--", *command])
     assert (code, "has ended with exit code 3" in capsys.readouterr().out) == (1, True)
-
-
-def test_one_master_is_tested(hunted):
-    code, told = hunted(CAREFUL, "--", "true")
-    assert (code, "one master is tested" in told) == (2, True)
 
 
 def test_a_find_takes_a_name_that_nobody_has_and_leaves_nothing_else(hunted, tmp_path):
