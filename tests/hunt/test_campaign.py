@@ -195,6 +195,16 @@ def test_a_damaged_file_of_results_is_kept_aside(played, tmp_path):
         ),
         ("contract: contract.yaml\ndisturbances: [everything]", "3:16: 'everything': wanted is"),
         ("contract: contract.yaml\nseeds: 0", "3:8: 0 is not in 1..100000"),
+        ("contract: contract.yaml\nseeds: [1, 2, 1]", "3:8: 1 stands there twice: a run is"),
+        (
+            "contract: contract.yaml\nsettings: {load: [open, open]}",
+            "3:25: open stands there twice",
+        ),
+        ("contract: contract.yaml\ndevices: [topcon, topcon]", "3:19: topcon stands there twice"),
+        (
+            "contract: contract.yaml\ndisturbances: [{at: [1, 1], inject: sdo_silence}]",
+            "3:15: {'at': 1, 'inject': 'sdo_silence'} stands there twice",
+        ),
         ("seeds: 3", "'contract' is missing"),
     ],
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -26,6 +27,7 @@ from canopen_twins.files.table import Listed, understand_table
 from canopen_twins.hunt.contract import Contract, Disturbance, Plan
 
 MOST_RUNS = 1_000_000
+ONCE = "a run is played once"
 MOST_SEEDS = 100_000
 NOTHING = "nothing"
 DEVICE = "device"
@@ -104,6 +106,10 @@ def _grid(file: CampaignFile, path: Path, master: str) -> Grid:
         tuple(_disturbances(file.disturbances or ())),
         tuple(range(1, file.seeds + 1) if isinstance(file.seeds, int) else file.seeds),
     )
+    for key, told in (("seeds", grid.seeds), ("disturbances", map(repr, grid.disturbances))):
+        for value, times in Counter(told).most_common(1):
+            if times > 1:
+                raise file.item_of(key).wrong(f"{value} stands there twice: {ONCE}")
     if len(grid) > MOST_RUNS:
         raise file.place.wrong(f"{len(grid)} runs are more than {MOST_RUNS}")
     _check(file, grid)
@@ -115,7 +121,7 @@ Axis = tuple[str, str, tuple[Any, ...]]
 
 def _devices(devices: Sequence[Item], nodes: Sequence[str]) -> Iterator[Axis]:
     if devices:
-        yield nodes[0], DEVICE, tuple(device.text for device in devices)
+        yield nodes[0], DEVICE, _values(devices)
 
 
 def _settings(settings: Mapping[Item, Sequence[Item]], nodes: Sequence[str]) -> Iterator[Axis]:
@@ -125,7 +131,17 @@ def _settings(settings: Mapping[Item, Sequence[Item]], nodes: Sequence[str]) -> 
             raise key.wrong(f"of which node? Write NODE.{key.text}: {', '.join(nodes)}")
         if dot and node not in nodes:
             raise key.wrong(str(unknown("node", node, nodes)))
-        yield node or nodes[0], name, tuple(value.value for value in values)
+        yield node or nodes[0], name, _values(values)
+
+
+def _values(items: Sequence[Item]) -> tuple[Any, ...]:
+    """Each once, as a run is played once; `1` and `true` are two."""
+    known: dict[str, Any] = {}
+    for item in items:
+        if repr(item.value) in known:
+            raise item.wrong(f"{item.text} stands there twice: {ONCE}")
+        known[repr(item.value)] = item.value
+    return tuple(known.values())
 
 
 def _disturbances(given: Sequence[Item]) -> Iterator[Disturbance | None]:
