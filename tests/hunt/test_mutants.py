@@ -110,3 +110,15 @@ def test_heartbeats_that_are_lost_while_the_master_waits_for_an_answer_are_misse
     """Two of them, and the answer: the next heartbeat is there before the main thread can look."""
     wrong = ({"at": 2, "inject": {"frame_lost": {"times": 3}}},)
     assert not run(Contract(EXAMPLES / "topcon_contract.yaml"), Plan(wrong)).failures
+
+
+def test_a_supply_that_has_left_the_bus_with_an_error_need_not_obey():
+    wrong = ({"at": 10, "inject": {"emcy_storm": {"times": 1}}}, {"at": 10, "inject": "bus_off"})
+    assert not run(Contract(EXAMPLES / "topcon_contract.yaml"), Plan(wrong)).failures
+
+
+def test_an_error_that_comes_just_after_another_is_answered_with_another_stop():
+    """While the master waits for a new start."""
+    storm = {"emcy_storm": {"times": 2, "seconds": 0.02}}
+    wrong = ({"at": 5, "inject": storm}, {"at": 5.1, "inject": "sdo_silence", "for": 2})
+    assert not run(Contract(EXAMPLES / "topcon_contract.yaml"), Plan(wrong)).failures

@@ -176,6 +176,16 @@ class Supply:
             time.sleep(PAUSE)
         self.node.nmt.state = "RESET"  # which begins with the output off
 
+    def settle(self):
+        """Before a new start; who tells of an error meanwhile is stopped again."""
+        end = time.monotonic() + SETTLE
+        while (left := end - time.monotonic()) > 0:
+            try:
+                log.info("%s", self.news.get(timeout=left))
+            except queue.Empty:
+                return
+            self.stop()
+
     def write(self, index, value, sub=0):
         """Set a number of 16 bits, and see that it is there."""
         data = struct.pack("<H", value)
@@ -216,4 +226,4 @@ def main(network, seconds=30.0):
         except SupplyError as error:
             log.info("%s", error)
         supply.stop()
-        time.sleep(SETTLE)
+        supply.settle()
