@@ -122,3 +122,17 @@ def test_an_error_that_comes_just_after_another_is_answered_with_another_stop():
     storm = {"emcy_storm": {"times": 2, "seconds": 0.02}}
     wrong = ({"at": 5, "inject": storm}, {"at": 5.1, "inject": "sdo_silence", "for": 2})
     assert not run(Contract(EXAMPLES / "topcon_contract.yaml"), Plan(wrong)).failures
+
+
+def test_a_supply_that_takes_long_to_boot_is_not_reset_before_it_is_there():
+    wrong = ({"when": {"state": "pre-operational"}, "inject": "power_cycle", "for": 1},)
+    slow = (("topcon", "boot_time", 3.0),)
+    plan = Plan(wrong, slow, arbitration="identifier")
+    assert not run(Contract(EXAMPLES / "topcon_contract.yaml"), plan).failures
+
+
+def test_a_charger_that_has_healed_may_be_released_after_half_a_second():
+    """Its heartbeat comes just then, so that nothing else is waited for."""
+    wrong = ({"at": 0.5, "inject": "overtemperature", "for": 0.5},)
+    plan = Plan(wrong, arbitration="master")
+    assert not run(Contract(EXAMPLES / "charger_contract.yaml"), plan).failures

@@ -14,7 +14,7 @@ VENDOR, NAME = 0x1C4, b"TopCon Quadro"
 HEARTBEAT, LOST_AFTER = 0.5, 1.25  # seconds
 POLL = 2.0  # seconds; an emergency is heard at once, this is for one that got lost
 TIMEOUT, TRIES, PAUSE = 0.3, 3, 0.05  # of an SDO access
-SETTLE = 0.5  # seconds before a new start
+SETTLE, BOOTED_BY = 0.5, 4.0  # seconds before a new start, and between two resets
 RUN_COMMAND, STATE_OF_OUTPUT = 0x2014, 0x2023
 STOP, RUN, RESET = 0, 1, 2
 ON, WARNING, ERROR = 1 << 0, 1 << 14, 1 << 15
@@ -91,7 +91,7 @@ class Supply:
         self.node = network.add_node(NODE_ID)
         self.sdo = Sdo(network, NODE_ID)
         self.news = queue.Queue()  # of callbacks, which leave the work to the main thread
-        self.heard, self.state = time.monotonic(), None
+        self.heard, self.state, self.reset_at = time.monotonic(), None, -BOOTED_BY
         self.node.nmt.add_heartbeat_callback(self.on_heartbeat)
         self.node.emcy.add_callback(self.on_emergency)
 
@@ -174,7 +174,9 @@ class Supply:
             except SdoError as error:
                 log.info("stop: %s", error)
             time.sleep(PAUSE)
-        self.node.nmt.state = "RESET"  # which begins with the output off
+        if time.monotonic() - self.reset_at > BOOTED_BY:  # one that boots would never be ready
+            self.reset_at = time.monotonic()
+            self.node.nmt.state = "RESET"  # which begins with the output off
 
     def settle(self):
         """Before a new start; who tells of an error meanwhile is stopped again."""
