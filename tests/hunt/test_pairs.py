@@ -42,6 +42,14 @@ def test_one_that_had_nothing_to_strike_is_there_when_another_comes(pairs):
     assert all({**one, "inject": 0} == {**other, "inject": 0} for one, other in found)
 
 
+def test_some_come_at_one_moment_and_others_as_they_were(pairs):
+    survived(pairs, single("short", at=1))
+    survived(pairs, single("hot", at=5))
+    moments = {tuple(each["at"] for each in plan.disturbances) for plan in pairs}
+    assert {(1, 1), (5, 5)} & moments
+    assert {(1, 5), (5, 1)} & moments
+
+
 def test_there_are_no_more_than_were_wanted():
     pairs = Pairs(Random(1), 3)
     for number in range(10):

@@ -1,8 +1,9 @@
 """Which pair of faults comes next: of single ones that were survived, one of which has struck.
 
-A single fault may find nothing to strike: an EMCY is lost where none is sent. It is worth more than
-others beside one that brings it work, so half of the pairs have such a one, there when the other
-comes. A master that only hears errors by EMCY is found by that, and by nothing else.
+A third of them come as they were, each at its moment; a third at one moment, as what has one cause
+does: of two errors only the last is cleared. In a third one had found nothing to strike by itself
+(an EMCY is lost where none is sent), and is there when the other brings it work: a master that
+hears of errors by EMCY alone is found by that, and by nothing else.
 """
 
 from __future__ import annotations
@@ -14,8 +15,9 @@ from random import Random
 from canopen_twins.hunt.contract import Disturbance, Plan
 from canopen_twins.hunt.run import Result
 
-IDLE = 0.5
-"""The share of pairs with a fault that has found nothing to strike, if any has not."""
+IDLE, AT_ONCE = 1 / 3, 1 / 2
+"""The share of pairs with a fault that has found nothing to strike, if any has not; that of one
+moment among the others."""
 TRIES = 8  # to draw a pair that was not drawn before
 MOMENT = ("at", "when")
 
@@ -46,7 +48,9 @@ class Pairs(Iterator[Plan]):
             wrong = (*one.disturbances, *other.disturbances)
             if self._idle and self._chance.random() < IDLE:
                 idle = self._idle[self._chance.choice([*self._idle])]
-                wrong = (_with(one.disturbances[0], idle.disturbances[0]), *one.disturbances)
+                wrong = (_moved(idle.disturbances[0], wrong[0]), wrong[0])
+            elif self._chance.random() < AT_ONCE:
+                wrong = (wrong[0], _moved(wrong[1], wrong[0]))
             plan = replace(one, disturbances=wrong)
             if plan.key not in self._known and len(set(plan.faults)) == len(plan.faults):
                 self._known.add(plan.key)
@@ -55,7 +59,7 @@ class Pairs(Iterator[Plan]):
         raise StopIteration
 
 
-def _with(other: Disturbance, idle: Disturbance) -> Disturbance:
-    """At the moment of the other."""
+def _moved(disturbance: Disturbance, other: Disturbance) -> Disturbance:
+    """It, at the moment of the other."""
     moment = {key: other[key] for key in MOMENT if key in other}
-    return {**moment, **{key: value for key, value in idle.items() if key not in MOMENT}}
+    return {**moment, **{key: told for key, told in disturbance.items() if key not in MOMENT}}
