@@ -136,3 +136,10 @@ def test_a_charger_that_has_healed_may_be_released_after_half_a_second():
     wrong = ({"at": 0.5, "inject": "overtemperature", "for": 0.5},)
     plan = Plan(wrong, arbitration="master")
     assert not run(Contract(EXAMPLES / "charger_contract.yaml"), plan).failures
+
+
+def test_errors_that_are_there_before_anybody_listens_are_cleared_though_only_one_is_known():
+    """The charger keeps the last one only (0x1003)."""
+    wrong = tuple({"at": 0, "inject": {"error": {"number": number}}} for number in (2, 11))
+    plan = Plan(wrong, (("charger", "timing", "worst"),))
+    assert not run(Contract(EXAMPLES / "charger_contract.yaml"), plan).failures

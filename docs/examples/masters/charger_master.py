@@ -91,10 +91,10 @@ class Charger:
         known = self.uncleared or ({number} if kind == AN_ERROR else set())
         for each in sorted(known):
             self.write(*CLEAR_ERROR, "<B", each)
-        if not known:
-            self.node.nmt.state = "RESET"  # an error nobody has told us the number of
         self.status = self.read(*STATUS, "<B")
         if self.status & ERROR:
+            if not self.uncleared:
+                self.node.nmt.state = "RESET"  # one that nobody has told us the number of
             raise ChargerError(f"errors {sorted(known)} have a cause that lasts")
 
     def make_operational(self):
