@@ -143,3 +143,11 @@ def test_errors_that_are_there_before_anybody_listens_are_cleared_though_only_on
     wrong = tuple({"at": 0, "inject": {"error": {"number": number}}} for number in (2, 11))
     plan = Plan(wrong, (("charger", "timing", "worst"),))
     assert not run(Contract(EXAMPLES / "charger_contract.yaml"), plan).failures
+
+
+def test_an_error_that_is_told_late_may_be_reset_by_then():
+    """The command is withdrawn before it is told of, and asking for the state has shown it."""
+    when = {"when": {"write": {"Producer Heartbeat Time": 500}}}
+    late = {"frame_jitter": {"times": 1, "seconds": 0.05}}
+    wrong = ({**when, "inject": {"sense_offset": {"volts": 30.0}}}, {**when, "inject": late})
+    assert not run(Contract(EXAMPLES / "topcon_contract.yaml"), Plan(wrong)).failures
