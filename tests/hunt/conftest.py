@@ -1,6 +1,7 @@
 """What tests of hunts share."""
 
 from contextlib import nullcontext
+from importlib import import_module
 
 import pytest
 
@@ -18,18 +19,20 @@ def play_here(patch):
     Another takes a third of a second until it can play anything.
     """
 
+    # modules are imported, not named: the test of a page leaves some that are imported anew
     def workers(jobs, lost):
         assert jobs == 1
         return nullcontext(in_turn)
 
     for user in ("cli.hunt", "cli.campaign", "hunt.workers"):
-        patch.setattr(f"canopen_twins.{user}.workers", workers)
+        patch.setattr(import_module(f"canopen_twins.{user}"), "workers", workers)
 
 
 def look_again_here(patch):
     """Let finds be seen again in this process: each begins two others for that."""
     patch.setattr(
-        "canopen_twins.hunt.find.in_another_process",
+        import_module("canopen_twins.hunt.find"),
+        "in_another_process",
         lambda path, master: run_to_compare(Contract(path, master), Plan()),
     )
 
