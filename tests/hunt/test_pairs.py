@@ -50,6 +50,13 @@ def test_some_come_at_one_moment_and_others_as_they_were(pairs):
     assert {(1, 5), (5, 1)} & moments
 
 
+def test_one_of_another_node_keeps_its_moment_as_a_condition_is_of_its_node(pairs):
+    survived(pairs, single("short", when={"emcy": "any"}, node="left"))
+    survived(pairs, single("hot", when={"state": "operational"}, node="right"))
+    moments = {(each["node"], *each["when"]) for plan in pairs for each in plan.disturbances}
+    assert moments == {("left", "emcy"), ("right", "state")}
+
+
 def test_there_are_no_more_than_were_wanted():
     pairs = Pairs(Random(1), 3)
     for number in range(10):

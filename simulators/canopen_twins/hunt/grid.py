@@ -121,7 +121,8 @@ Axis = tuple[str, str, tuple[Any, ...]]
 
 def _devices(devices: Sequence[Item], nodes: Sequence[str]) -> Iterator[Axis]:
     if devices:
-        yield nodes[0], DEVICE, _values(devices)
+        _values(devices)
+        yield nodes[0], DEVICE, tuple(device.text for device in devices)
 
 
 def _settings(settings: Mapping[Item, Sequence[Item]], nodes: Sequence[str]) -> Iterator[Axis]:

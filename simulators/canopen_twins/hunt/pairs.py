@@ -60,6 +60,8 @@ class Pairs(Iterator[Plan]):
 
 
 def _moved(disturbance: Disturbance, other: Disturbance) -> Disturbance:
-    """It, at the moment of the other."""
+    """It, at the moment of the other; a condition is of its node, so one of another node stays."""
+    if disturbance.get("node") != other.get("node"):
+        return disturbance
     moment = {key: other[key] for key in MOMENT if key in other}
     return {**moment, **{key: told for key, told in disturbance.items() if key not in MOMENT}}
