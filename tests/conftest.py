@@ -61,10 +61,10 @@ def pytest_collection_finish() -> None:
     gc.set_threshold(20_000, 20, 20)
 
 
-@pytest.hookimpl(optionalhook=True)
-def pytest_xdist_auto_num_workers() -> int:
-    """One process more than processors: tests in real time wait for most of it (IN_REAL_TIME)."""
-    return (os.cpu_count() or 1) + 1
+@pytest.hookimpl(wrapper=True, optionalhook=True)
+def pytest_xdist_auto_num_workers():
+    """One more than pytest-xdist would take: tests in real time wait for most of it."""
+    return (yield) + 1
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -19,11 +19,11 @@ def play_here(patch):
     Another takes a third of a second until it can play anything.
     """
 
-    # modules are imported, not named: the test of a page leaves some that are imported anew
     def workers(jobs, lost):
         assert jobs == 1
         return nullcontext(in_turn)
 
+    # modules are imported, not named: the test of a page leaves some that are imported anew
     for user in ("cli.hunt", "cli.campaign", "hunt.workers"):
         patch.setattr(import_module(f"canopen_twins.{user}"), "workers", workers)
 

@@ -29,8 +29,8 @@ class Pairs(Iterator[Plan]):
         self._chance = chance
         self._left = most
         self._struck: list[Plan] = []
-        self._idle: dict[str, Plan] = {}
-        """By fault, the first plan in which it has changed nothing: the simplest."""
+        self._idle: dict[tuple[str, str], Plan] = {}
+        """By node and fault, the first plan in which it has changed nothing: the simplest."""
         self._known: set[str] = set()
 
     def learn(self, result: Result, *, is_new: bool) -> None:
@@ -39,8 +39,8 @@ class Pairs(Iterator[Plan]):
             return
         if is_new:
             self._struck.append(result.plan)
-        elif "inject" in result.plan.disturbances[0]:
-            self._idle.setdefault(result.plan.faults[0], result.plan)
+        elif "inject" in (told := result.plan.disturbances[0]):
+            self._idle.setdefault((told.get("node", ""), result.plan.faults[0]), result.plan)
 
     def __next__(self) -> Plan:
         for _ in range(TRIES if self._left and len(self._struck) > 1 else 0):
