@@ -88,61 +88,63 @@ def test_they_are_of_all_devices_and_each_has_its_name():
     assert {each.device for each in MUTANTS} == {*DEVICES}
 
 
+def failures(device, wrong, **more):
+    """Those of the reference master when this goes wrong."""
+    return run(Contract(EXAMPLES / f"{device}_contract.yaml"), Plan(wrong, **more)).failures
+
+
 def test_a_release_that_has_no_effect_is_no_failure_when_a_boot_up_message_is_lost():
     """The charger is pre-operational then: nobody has told its master that it has forgotten all."""
     lost = {"frame_lost": {"times": 1}}
     wrong = ({"at": 5, "inject": {"brown_out": {"times": 1}}}, {"at": 5, "inject": lost})
-    assert not run(Contract(EXAMPLES / "charger_contract.yaml"), Plan(wrong)).failures
+    assert not failures("charger", wrong)
 
 
 def test_a_command_that_meets_a_boot_up_message_is_no_failure_when_it_is_withdrawn_at_once():
     """0.05 s of no supply and 0.3 s of boot are a time-out of 0.3 s and a pause: RUN comes then."""
     wrong = ({"when": {"write": {"Run command": 1}}, "inject": {"brown_out": {"times": 1}}},)
-    assert not run(Contract(EXAMPLES / "topcon_contract.yaml"), Plan(wrong)).failures
+    assert not failures("topcon", wrong)
 
 
 def test_an_emergency_that_tells_of_an_end_is_none_to_react_to():
     wrong = ({"at": 1, "inject": {"emcy_storm": {"times": 1, "code": 0}}},)
-    assert not run(Contract(EXAMPLES / "topcon_contract.yaml"), Plan(wrong)).failures
+    assert not failures("topcon", wrong)
 
 
 def test_heartbeats_that_are_lost_while_the_master_waits_for_an_answer_are_missed():
     """Two of them, and the answer: the next heartbeat is there before the main thread can look."""
     wrong = ({"at": 2, "inject": {"frame_lost": {"times": 3}}},)
-    assert not run(Contract(EXAMPLES / "topcon_contract.yaml"), Plan(wrong)).failures
+    assert not failures("topcon", wrong)
 
 
 def test_a_supply_that_has_left_the_bus_with_an_error_need_not_obey():
     wrong = ({"at": 10, "inject": {"emcy_storm": {"times": 1}}}, {"at": 10, "inject": "bus_off"})
-    assert not run(Contract(EXAMPLES / "topcon_contract.yaml"), Plan(wrong)).failures
+    assert not failures("topcon", wrong)
 
 
 def test_an_error_that_comes_just_after_another_is_answered_with_another_stop():
     """While the master waits for a new start."""
     storm = {"emcy_storm": {"times": 2, "seconds": 0.02}}
     wrong = ({"at": 5, "inject": storm}, {"at": 5.1, "inject": "sdo_silence", "for": 2})
-    assert not run(Contract(EXAMPLES / "topcon_contract.yaml"), Plan(wrong)).failures
+    assert not failures("topcon", wrong)
 
 
 def test_a_supply_that_takes_long_to_boot_is_not_reset_before_it_is_there():
     wrong = ({"when": {"state": "pre-operational"}, "inject": "power_cycle", "for": 1},)
     slow = (("topcon", "boot_time", 3.0),)
-    plan = Plan(wrong, slow, arbitration="identifier")
-    assert not run(Contract(EXAMPLES / "topcon_contract.yaml"), plan).failures
+    assert not failures("topcon", wrong, settings=slow, arbitration="identifier")
 
 
 def test_a_charger_that_has_healed_may_be_released_after_half_a_second():
     """Its heartbeat comes just then, so that nothing else is waited for."""
     wrong = ({"at": 0.5, "inject": "overtemperature", "for": 0.5},)
-    plan = Plan(wrong, arbitration="master")
-    assert not run(Contract(EXAMPLES / "charger_contract.yaml"), plan).failures
+    assert not failures("charger", wrong, arbitration="master")
 
 
 def test_errors_that_are_there_before_anybody_listens_are_cleared_though_only_one_is_known():
     """The charger keeps the last one only (0x1003)."""
     wrong = tuple({"at": 0, "inject": {"error": {"number": number}}} for number in (2, 11))
-    plan = Plan(wrong, (("charger", "timing", "worst"),))
-    assert not run(Contract(EXAMPLES / "charger_contract.yaml"), plan).failures
+    assert not failures("charger", wrong, settings=(("charger", "timing", "worst"),))
 
 
 def test_an_error_that_is_told_late_may_be_reset_by_then():
@@ -150,4 +152,4 @@ def test_an_error_that_is_told_late_may_be_reset_by_then():
     when = {"when": {"write": {"Producer Heartbeat Time": 500}}}
     late = {"frame_jitter": {"times": 1, "seconds": 0.05}}
     wrong = ({**when, "inject": {"sense_offset": {"volts": 30.0}}}, {**when, "inject": late})
-    assert not run(Contract(EXAMPLES / "topcon_contract.yaml"), Plan(wrong)).failures
+    assert not failures("topcon", wrong)
