@@ -83,7 +83,7 @@ class Charger:
         self.good = time.monotonic() + RAMP
 
     def clear_errors(self):
-        """Those we know of, else the last one it has told; one whose cause is there stays."""
+        """Those we know of, else the last one it has told; a reset clears one nobody has told."""
         self.status = self.read(*STATUS, "<B")
         if not self.status & ERROR:
             return
